@@ -1,0 +1,48 @@
+"""The tree of errors: each says what failed, where, by how much, and what to do."""
+
+from __future__ import annotations
+
+
+class DdgError(Exception):
+    """Base of every error that a user can cause or must hear about.
+
+    The message is one to three lines: what failed and where, the value and the limit, what to do.
+    """
+
+
+class InputError(DdgError, ValueError):
+    """A file or array that cannot be used; names the file and line where there is one."""
+
+    def __init__(self, message: str, *, file: str | None = None, line: int | None = None) -> None:
+        where = "" if file is None else f"{file}: " if line is None else f"{file}:{line}: "
+        super().__init__(where + message)
+        self.file = file
+        self.line = line
+
+
+class MeshError(InputError):
+    """A mesh that is no oriented manifold surface, or that the task cannot use."""
+
+
+class DegenerateError(DdgError, ValueError):
+    """A geometric construction without a solution; names the element and the quantity."""
+
+
+class SupportError(DdgError):
+    """No usable torsion-free support structure; says why and what is possible instead."""
+
+
+class ProjectError(InputError):
+    """A project file with an unknown key, a wrong value or a missing file."""
+
+
+class DetailError(DdgError):
+    """A part that cannot be made: does not fit, too short, too narrow. Names the parts."""
+
+
+class KernelError(DdgError):
+    """The CAD kernel is missing, of the wrong build, or refused a part."""
+
+
+class OutputError(DdgError):
+    """The output folder or a file in it cannot be written; nothing was left half written."""

@@ -1,0 +1,399 @@
+"""Mesh: vertices and polygonal faces of an oriented manifold surface, with its edges and stars.
+
+Faces are kept as polygons in one flat list of *corners* (half-edges): corner ``c`` belongs to face
+``corner_face[c]``, starts at vertex ``corners[c]`` and runs to the next corner of its face.
+All ids count from 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ddgfab.errors import MeshError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def unit(vectors: Floats) -> Floats:
+    """Vectors divided by their lengths along the last axis; a zero vector stays zero."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+
+
+def _frozen(array: NDArray) -> NDArray:
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh:
+    """An oriented manifold polygon mesh.
+
+    Make one with `Mesh.build` (from lists of faces); the constructor trusts its arrays.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float, in the caller's unit (millimetres in the main job)
+    corners : (C,) int, vertex of each corner, face after face
+    face_start : (F + 1,) int, first corner of each face
+    """
+
+    vertices: Floats
+    corners: Ints
+    face_start: Ints
+
+    @staticmethod
+    def build(vertices: ArrayLike, faces: Sequence[Sequence[int]] | NDArray) -> Mesh:
+        """Mesh of (V, 3) vertices and polygons of vertex ids; checks shape, range and manifoldness.
+
+        Raises
+        ------
+        MeshError
+            No faces, fewer than three corners, ids out of range, coordinates that are not finite,
+            an edge with three faces or with two that run the same way, a vertex where sheets meet.
+        """
+        points = np.array(vertices, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise MeshError(f"vertices have shape {points.shape}; expected (V, 3)")
+        if len(faces) == 0:
+            raise MeshError("the mesh has no faces")
+        sizes = np.array([len(face) for face in faces], dtype=np.int64)
+        if sizes.min() < 3:
+            raise MeshError(f"face {int(sizes.argmin())} has {int(sizes.min())} corners; 3 needed")
+        corners = np.concatenate([np.asarray(face, dtype=np.int64) for face in faces])
+        mesh = Mesh(
+            _frozen(points), _frozen(corners), _frozen(np.concatenate([[0], np.cumsum(sizes)]))
+        )
+        mesh.validate()
+        return mesh
+
+    def validate(self) -> None:
+        """Raise `MeshError` where this is not an oriented manifold with finite coordinates."""
+        bad = np.flatnonzero(~np.isfinite(self.vertices).all(axis=1))
+        if len(bad):
+            raise MeshError(f"vertex {bad[0]} has a coordinate that is not finite")
+        out = np.flatnonzero((self.corners < 0) | (self.corners >= self.n_vertices))
+        if len(out):
+            raise MeshError(
+                f"face {self.corner_face[out[0]]} names vertex {self.corners[out[0]]}; "
+                f"the mesh has {self.n_vertices}"
+            )
+        ends = np.stack([self.corners, self.corners[self.corner_next]])
+        loop = np.flatnonzero(ends[0] == ends[1])
+        if len(loop):
+            raise MeshError(
+                f"face {self.corner_face[loop[0]]} repeats vertex {ends[0, loop[0]]} in a row"
+            )
+        key = ends[0] * self.n_vertices + ends[1]
+        order = np.argsort(key, kind="stable")
+        twice = np.flatnonzero(key[order][1:] == key[order][:-1])
+        if len(twice):
+            a, b = order[twice[0]], order[twice[0] + 1]
+            raise MeshError(
+                f"faces {self.corner_face[a]} and {self.corner_face[b]} run the same way along "
+                f"edge {ends[0, a]}-{ends[1, a]}: more than two faces at it, or opposite orientation"
+            )
+        fans = np.bincount(self.corners, minlength=self.n_vertices) - np.diff(self.star_start)
+        fans += np.bincount(self.corners[self._twin < 0], minlength=self.n_vertices)
+        wrong = np.flatnonzero(fans)
+        if len(wrong):
+            raise MeshError(f"vertex {wrong[0]} is not manifold: several sheets meet only there")
+
+    # --- sizes -------------------------------------------------------------------------------
+    @property
+    def n_vertices(self) -> int:
+        """Number of vertices."""
+        return len(self.vertices)
+
+    @property
+    def n_faces(self) -> int:
+        """Number of faces."""
+        return len(self.face_start) - 1
+
+    @property
+    def n_edges(self) -> int:
+        """Number of edges."""
+        return len(self.edges)
+
+    def __repr__(self) -> str:
+        kinds = {3: "triangles", 4: "quads"}
+        sizes, counts = np.unique(self.face_sizes, return_counts=True)
+        faces = ", ".join(
+            f"{c} {kinds.get(int(s), f'{s}-gons')}" for s, c in zip(sizes, counts, strict=True)
+        )
+        return (
+            f"Mesh({self.n_vertices} vertices, {self.n_edges} edges, {faces}, "
+            f"{len(self.boundary_loops)} boundary loops)"
+        )
+
+    # --- faces and corners -------------------------------------------------------------------
+    @cached_property
+    def face_sizes(self) -> Ints:
+        """(F,) number of corners of each face."""
+        return np.diff(self.face_start)
+
+    @cached_property
+    def corner_face(self) -> Ints:
+        """(C,) face of each corner."""
+        return np.repeat(np.arange(self.n_faces), self.face_sizes)
+
+    @cached_property
+    def corner_next(self) -> Ints:
+        """(C,) the next corner in the same face."""
+        following = np.arange(1, len(self.corners) + 1)
+        following[self.face_start[1:] - 1] = self.face_start[:-1]
+        return following
+
+    @cached_property
+    def corner_previous(self) -> Ints:
+        """(C,) the previous corner in the same face."""
+        previous = np.empty_like(self.corner_next)
+        previous[self.corner_next] = np.arange(len(previous))
+        return previous
+
+    def face(self, index: int) -> Ints:
+        """Vertex ids of one face, counterclockwise seen from outside."""
+        return self.corners[self.face_start[index] : self.face_start[index + 1]]
+
+    @cached_property
+    def faces(self) -> tuple[Ints, ...]:
+        """The faces as arrays of vertex ids."""
+        return tuple(np.split(self.corners, self.face_start[1:-1]))
+
+    def face_edges(self, index: int) -> Ints:
+        """Edge ids of one face; the k-th runs from corner k to corner k + 1."""
+        return self.corner_edge[self.face_start[index] : self.face_start[index + 1]]
+
+    # --- edges -------------------------------------------------------------------------------
+    @cached_property
+    def _edge_tables(self) -> tuple[Ints, Ints, Ints, Ints]:
+        """Edges, edge of each corner, left and right face of each edge, twin of each corner."""
+        start, end = self.corners, self.corners[self.corner_next]
+        key = np.minimum(start, end) * self.n_vertices + np.maximum(start, end)
+        _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
+        order = np.argsort(first, kind="stable")  # edges in order of first appearance
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        corner_edge, first = rank[inverse], first[order]
+        edges = np.stack([start[first], end[first]], axis=1)
+        second = np.full(len(edges), -1)
+        others = np.setdiff1d(np.arange(len(start)), first, assume_unique=True)
+        second[corner_edge[others]] = others
+        faces = np.stack(
+            [self.corner_face[first], np.where(second < 0, -1, self.corner_face[second])], axis=1
+        )
+        twin = np.full(len(start), -1)
+        twin[first] = second
+        twin[others] = first[corner_edge[others]]
+        return _frozen(edges), _frozen(corner_edge), _frozen(faces), _frozen(twin)
+
+    @property
+    def edges(self) -> Ints:
+        """(E, 2) vertex ids; an edge runs as in its left face; order of first appearance."""
+        return self._edge_tables[0]
+
+    @property
+    def corner_edge(self) -> Ints:
+        """(C,) edge that starts at each corner."""
+        return self._edge_tables[1]
+
+    @property
+    def edge_faces(self) -> Ints:
+        """(E, 2) left and right face of each edge; -1 on the right of a boundary edge."""
+        return self._edge_tables[2]
+
+    @property
+    def _twin(self) -> Ints:
+        """(C,) the opposite corner (half-edge) across the edge, or -1."""
+        return self._edge_tables[3]
+
+    @cached_property
+    def boundary_edge(self) -> NDArray[np.bool_]:
+        """(E,) whether an edge has one face only."""
+        return self.edge_faces[:, 1] < 0
+
+    @cached_property
+    def boundary_vertex(self) -> NDArray[np.bool_]:
+        """(V,) whether a vertex lies on the boundary."""
+        on = np.zeros(self.n_vertices, dtype=bool)
+        on[self.edges[self.boundary_edge].ravel()] = True
+        return on
+
+    @cached_property
+    def boundary_loops(self) -> tuple[Ints, ...]:
+        """Closed boundary loops of vertex ids, with the surface on the left."""
+        start, end = self.edges[self.boundary_edge].T
+        follow = dict(zip(start.tolist(), end.tolist(), strict=True))
+        loops = []
+        while follow:
+            first, vertex = next(iter(follow.items()))
+            loop = [first]
+            del follow[first]
+            while vertex != first and vertex in follow:
+                loop.append(vertex)
+                vertex = follow.pop(vertex)
+            loops.append(np.array(loop))
+        return tuple(loops)
+
+    # --- stars -------------------------------------------------------------------------------
+    @cached_property
+    def _stars(self) -> tuple[Ints, Ints, Ints]:
+        """Start of each vertex' star; its edges counterclockwise; the face after each edge."""
+        twin = self._twin
+        previous = self.corner_previous
+        turn = twin[previous]  # the next outgoing half-edge counterclockwise, -1 at the boundary
+        # One half-edge to begin with: at a boundary vertex the one without a face on its right.
+        begin = np.full(self.n_vertices, -1)
+        begin[self.corners[::-1]] = np.arange(len(self.corners))[::-1]
+        rim = np.flatnonzero(twin < 0)
+        begin[self.corners[rim]] = rim
+        vertex, step, edge, face = [], [], [], []
+        live = np.flatnonzero(begin >= 0)
+        corner = begin[live]
+        for count in range(len(self.corners) + 1):
+            if not len(live):
+                break
+            vertex.append(live)
+            step.append(np.full(len(live), count))
+            edge.append(self.corner_edge[corner])
+            face.append(self.corner_face[corner])
+            following = turn[corner]
+            end = following < 0  # the last edge of a boundary star has no face after it
+            vertex.append(live[end])
+            step.append(np.full(int(end.sum()), count + 1))
+            edge.append(self.corner_edge[previous[corner[end]]])
+            face.append(np.full(int(end.sum()), -1))
+            go = ~end & (following != begin[live])
+            live, corner = live[go], following[go]
+        owner = np.concatenate(vertex)
+        order = np.lexsort((np.concatenate(step), owner))
+        counts = np.bincount(owner, minlength=self.n_vertices)
+        return (
+            _frozen(np.concatenate([[0], np.cumsum(counts)])),
+            _frozen(np.concatenate(edge)[order]),
+            _frozen(np.concatenate(face)[order]),
+        )
+
+    @property
+    def star_start(self) -> Ints:
+        """(V + 1,) where each vertex' edges begin in `star_edges`."""
+        return self._stars[0]
+
+    @property
+    def star_edges(self) -> Ints:
+        """Edges of the vertices counterclockwise; at the boundary from rim to rim."""
+        return self._stars[1]
+
+    @property
+    def star_faces(self) -> Ints:
+        """The face between each edge of a star and the next; -1 outside the boundary."""
+        return self._stars[2]
+
+    def star(self, vertex: int) -> tuple[Ints, Ints]:
+        """Edges of a vertex counterclockwise, and the face that follows each (-1: none)."""
+        part = slice(self.star_start[vertex], self.star_start[vertex + 1])
+        return self.star_edges[part], self.star_faces[part]
+
+    @cached_property
+    def valences(self) -> Ints:
+        """(V,) number of edges at each vertex; 0 for a vertex without faces."""
+        return np.bincount(self.edges.ravel(), minlength=self.n_vertices)
+
+    @cached_property
+    def components(self) -> Ints:
+        """(F,) number of the connected component of each face."""
+        graph = coo_array(
+            (np.ones(self.n_edges), (self.edges[:, 0], self.edges[:, 1])),
+            shape=(self.n_vertices, self.n_vertices),
+        )
+        labels = connected_components(graph, directed=False)[1][self.corners[self.face_start[:-1]]]
+        return np.unique(labels, return_inverse=True)[1]
+
+    # --- geometry ----------------------------------------------------------------------------
+    @cached_property
+    def edge_vectors(self) -> Floats:
+        """(E, 3) from the first to the second vertex of each edge."""
+        return self.vertices[self.edges[:, 1]] - self.vertices[self.edges[:, 0]]
+
+    @cached_property
+    def edge_lengths(self) -> Floats:
+        """(E,) lengths."""
+        return np.linalg.norm(self.edge_vectors, axis=1)
+
+    @cached_property
+    def vector_areas(self) -> Floats:
+        """(F, 3) vector areas (Newell): normal times area, of the projection for skew faces."""
+        return self._face_sum(
+            0.5
+            * np.cross(
+                self.vertices[self.corners] - self._face_origin[self.corner_face],
+                self.vertices[self.corners[self.corner_next]] - self._face_origin[self.corner_face],
+            )
+        )
+
+    @cached_property
+    def _face_origin(self) -> Floats:
+        return self.vertices[self.corners[self.face_start[:-1]]]
+
+    def _face_sum(self, values: Floats) -> Floats:
+        return np.add.reduceat(values, self.face_start[:-1], axis=0)
+
+    @cached_property
+    def face_areas(self) -> Floats:
+        """(F,) lengths of the vector areas."""
+        return np.linalg.norm(self.vector_areas, axis=1)
+
+    @cached_property
+    def face_normals(self) -> Floats:
+        """(F, 3) unit normals."""
+        return unit(self.vector_areas)
+
+    @cached_property
+    def face_centres(self) -> Floats:
+        """(F, 3) means of the corners."""
+        return self._face_sum(self.vertices[self.corners]) / self.face_sizes[:, None]
+
+    @cached_property
+    def corner_angles(self) -> Floats:
+        """(C,) interior angles [rad] of the faces at their corners, 0..pi."""
+        here = self.vertices[self.corners]
+        ahead = self.vertices[self.corners[self.corner_next]] - here
+        back = self.vertices[self.corners[self.corner_previous]] - here
+        return np.arctan2(
+            np.linalg.norm(np.cross(ahead, back), axis=1), np.einsum("ij,ij->i", ahead, back)
+        )
+
+    @cached_property
+    def vertex_normals(self) -> Floats:
+        """(V, 3) unit normals: face normals weighted by the corner angle (Thuermer, Wuethrich)."""
+        total = np.zeros_like(self.vertices)
+        np.add.at(
+            total, self.corners, self.face_normals[self.corner_face] * self.corner_angles[:, None]
+        )
+        return unit(total)
+
+    @cached_property
+    def diameter(self) -> float:
+        """Diagonal of the bounding box of the vertices that faces use."""
+        used = self.vertices[self.corners]
+        return float(np.linalg.norm(used.max(axis=0) - used.min(axis=0)))
+
+    # --- new meshes --------------------------------------------------------------------------
+    def with_vertices(self, vertices: ArrayLike) -> Mesh:
+        """The same faces on other (V, 3) vertices."""
+        points = np.array(vertices, dtype=np.float64)
+        if points.shape != self.vertices.shape:
+            raise MeshError(f"vertices have shape {points.shape}; expected {self.vertices.shape}")
+        return Mesh(_frozen(points), self.corners, self.face_start)
+
+    def scaled(self, factor: float) -> Mesh:
+        """The mesh with all coordinates times a factor."""
+        return self.with_vertices(self.vertices * factor)

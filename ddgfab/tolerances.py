@@ -1,0 +1,29 @@
+"""Every tolerance of the geometry, named, with its unit. Limits of a project live in the project."""
+
+from __future__ import annotations
+
+from typing import Final
+
+RELATIVE_DEGENERATE: Final = 1e-12
+"""Below this part of the local length (or its square, for areas) a quantity counts as zero."""
+
+MERGE_RELATIVE: Final = 1e-7
+"""Vertices nearer than this part of the bounding box diagonal are duplicates."""
+
+TORSION_EXACT_DEG: Final = 1e-6
+"""A structure below this torsion [deg] counts as torsion-free."""
+
+LEAN_LIMIT_DEG: Final = 30.0
+"""Default limit [deg] on the angle between node axis and surface normal."""
+
+LEAN_UPRIGHT_DEG: Final = 80.0
+"""Axes that lean by more [deg] lie in the surface: nothing upright exists, nothing is built."""
+
+NET_PLANAR_PERCENT: Final = 0.02
+"""A net is called planar below this planarity [%, distance of diagonals over their mean]."""
+
+NET_ANGLE_DEG: Final = 0.1
+"""A net is called circular or conical below this defect [deg]."""
+
+UNIT_NORMAL: Final = 1e-9
+"""How far the length of a unit vector may be from one."""
