@@ -1,0 +1,1 @@
+"""ddgfab: discrete parametric surfaces, numpy and scipy only."""
