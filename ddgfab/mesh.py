@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,15 +21,18 @@ from ddgfab.errors import MeshError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+_T = TypeVar("_T", bound=np.generic)
 
 
 def unit(vectors: Floats) -> Floats:
     """Vectors divided by their lengths along the last axis; a zero vector stays zero."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+    out = np.zeros_like(vectors)
+    np.divide(vectors, length, out=out, where=length > 0)
+    return out
 
 
-def _frozen(array: NDArray) -> NDArray:
+def _frozen(array: NDArray[_T]) -> NDArray[_T]:
     array.setflags(write=False)
     return array
 
@@ -51,7 +55,7 @@ class Mesh:
     face_start: Ints
 
     @staticmethod
-    def build(vertices: ArrayLike, faces: Sequence[Sequence[int]] | NDArray) -> Mesh:
+    def build(vertices: ArrayLike, faces: Sequence[Sequence[int]] | Sequence[Ints] | Ints) -> Mesh:
         """Mesh of (V, 3) vertices and polygons of vertex ids; checks shape, range and manifoldness.
 
         Raises
@@ -99,7 +103,7 @@ class Mesh:
             a, b = order[twice[0]], order[twice[0] + 1]
             raise MeshError(
                 f"faces {self.corner_face[a]} and {self.corner_face[b]} run the same way along "
-                f"edge {ends[0, a]}-{ends[1, a]}: more than two faces at it, or opposite orientation"
+                f"edge {ends[0, a]}-{ends[1, a]}: three faces at it, or opposite orientation"
             )
         fans = np.bincount(self.corners, minlength=self.n_vertices) - np.diff(self.star_start)
         fans += np.bincount(self.corners[self._twin < 0], minlength=self.n_vertices)
@@ -326,7 +330,8 @@ class Mesh:
     @cached_property
     def edge_lengths(self) -> Floats:
         """(E,) lengths."""
-        return np.linalg.norm(self.edge_vectors, axis=1)
+        lengths: Floats = np.linalg.norm(self.edge_vectors, axis=1)
+        return lengths
 
     @cached_property
     def vector_areas(self) -> Floats:
@@ -349,7 +354,8 @@ class Mesh:
     @cached_property
     def face_areas(self) -> Floats:
         """(F,) lengths of the vector areas."""
-        return np.linalg.norm(self.vector_areas, axis=1)
+        areas: Floats = np.linalg.norm(self.vector_areas, axis=1)
+        return areas
 
     @cached_property
     def face_normals(self) -> Floats:
@@ -367,9 +373,10 @@ class Mesh:
         here = self.vertices[self.corners]
         ahead = self.vertices[self.corners[self.corner_next]] - here
         back = self.vertices[self.corners[self.corner_previous]] - here
-        return np.arctan2(
+        angles: Floats = np.arctan2(
             np.linalg.norm(np.cross(ahead, back), axis=1), np.einsum("ij,ij->i", ahead, back)
         )
+        return angles
 
     @cached_property
     def vertex_normals(self) -> Floats:

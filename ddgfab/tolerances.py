@@ -1,4 +1,4 @@
-"""Every tolerance of the geometry, named, with its unit. Limits of a project live in the project."""
+"""Every tolerance of the geometry, named, with its unit. A project's limits are its own."""
 
 from __future__ import annotations
 
