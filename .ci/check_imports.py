@@ -1,0 +1,98 @@
+"""Import direction: ddgfab knows numpy and scipy only, rooms point one way, CAD stays in functions.
+
+Prints each offence as file:line and exits with 1 if there is any.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+GEOMETRY_MAY_IMPORT = {"ddgfab", "numpy", "scipy"}
+INSIDE_FUNCTIONS_ONLY = {
+    "OCP",
+    "build123d",
+    "cadquery",
+    "manifold3d",
+    "pyvista",
+    "vtk",
+    "xlsxwriter",
+    "pandas",
+}
+# A room of fabrication may import itself and the rooms before it.
+ROOMS = [
+    "specs",
+    "project",
+    "standards",
+    "detailing",
+    "families",
+    "solids",
+    "checks",
+    "export",
+    "schedules",
+    "design",
+    "parts",
+    "pipeline",
+    "cli",
+]
+
+
+def imports(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Line and full module name of every import statement below a node."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield node.lineno, node.module or ""
+            if node.module == "fabrication":
+                yield from ((node.lineno, f"fabrication.{alias.name}") for alias in node.names)
+
+
+def module_level(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Imports that run when the module is imported (not those under TYPE_CHECKING)."""
+    for node in tree.body:
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            continue
+        if not isinstance(node, ast.FunctionDef | ast.ClassDef | ast.AsyncFunctionDef):
+            yield from imports(node)
+
+
+def offences(path: Path) -> Iterator[str]:
+    """One line of text for each import in a file that points the wrong way."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    where = path.relative_to(ROOT)
+    package, room = where.parts[0], where.parts[1].removesuffix(".py")
+    for line, name in imports(tree):
+        top = name.split(".")[0]
+        if top == "__future__" or not name:
+            continue
+        outside = top not in GEOMETRY_MAY_IMPORT and top not in sys.stdlib_module_names
+        if package == "ddgfab" and outside:
+            yield f"{where}:{line}: ddgfab imports {name}"
+        if package == "fabrication" and top == "fabrication" and "." in name:
+            target = name.split(".")[1]
+            known = room in ROOMS and target in ROOMS
+            if known and ROOMS.index(target) > ROOMS.index(room):
+                yield f"{where}:{line}: room {room} imports the later room {target}"
+    for line, name in module_level(tree):
+        if name.split(".")[0] in INSIDE_FUNCTIONS_ONLY:
+            yield f"{where}:{line}: {name} imported at module level"
+
+
+def main() -> int:
+    """Check both packages."""
+    found = [
+        text
+        for package in ("ddgfab", "fabrication")
+        for path in sorted((ROOT / package).rglob("*.py"))
+        for text in offences(path)
+    ]
+    print("\n".join(found) or "imports point one way")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
