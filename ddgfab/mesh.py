@@ -105,11 +105,10 @@ class Mesh:
                 f"faces {self.corner_face[a]} and {self.corner_face[b]} run the same way along "
                 f"edge {ends[0, a]}-{ends[1, a]}: three faces at it, or opposite orientation"
             )
-        fans = np.bincount(self.corners, minlength=self.n_vertices) - np.diff(self.star_start)
-        fans += np.bincount(self.corners[self._twin < 0], minlength=self.n_vertices)
-        wrong = np.flatnonzero(fans)
-        if len(wrong):
-            raise MeshError(f"vertex {wrong[0]} is not manifold: several sheets meet only there")
+        if len(self.split_vertices):
+            raise MeshError(
+                f"vertex {self.split_vertices[0]} is not manifold: several sheets meet only there"
+            )
 
     # --- sizes -------------------------------------------------------------------------------
     @property
@@ -307,6 +306,13 @@ class Mesh:
         return self.star_edges[part], self.star_faces[part]
 
     @cached_property
+    def split_vertices(self) -> Ints:
+        """Vertices where several fans of faces meet: none in a manifold mesh."""
+        fans = np.bincount(self.corners, minlength=self.n_vertices) - np.diff(self.star_start)
+        fans += np.bincount(self.corners[self._twin < 0], minlength=self.n_vertices)
+        return np.flatnonzero(fans)
+
+    @cached_property
     def valences(self) -> Ints:
         """(V,) number of edges at each vertex; 0 for a vertex without faces."""
         return np.bincount(self.edges.ravel(), minlength=self.n_vertices)
@@ -380,11 +386,13 @@ class Mesh:
 
     @cached_property
     def vertex_normals(self) -> Floats:
-        """(V, 3) unit normals: face normals weighted by the corner angle (Thuermer, Wuethrich)."""
+        """(V, 3) unit sums of the vector areas of the faces at each vertex (Gouraud 1971).
+
+        Weighting by area, of the usual weights, is the one that gives the torsion of the vertex
+        normals of the published meshes (9.6, 6.5 and 8.3 deg). Zero where no face is.
+        """
         total = np.zeros_like(self.vertices)
-        np.add.at(
-            total, self.corners, self.face_normals[self.corner_face] * self.corner_angles[:, None]
-        )
+        np.add.at(total, self.corners, self.vector_areas[self.corner_face])
         return unit(total)
 
     @cached_property

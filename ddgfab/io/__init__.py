@@ -1,0 +1,87 @@
+"""Meshes from and to OBJ, OFF and PLY files; the only file access in `ddgfab`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ddgfab.errors import MeshError
+from ddgfab.io.atomic import atomic_path, atomic_write
+from ddgfab.io.obj import parse_obj, write_obj
+from ddgfab.io.raw import LIMIT_BYTES, RawMesh, load_bytes
+from ddgfab.io.repair import repair
+from ddgfab.mesh import Mesh
+
+__all__ = [
+    "LIMIT_BYTES",
+    "ReadResult",
+    "atomic_path",
+    "atomic_write",
+    "read_mesh",
+    "write_obj",
+]
+
+_PARSERS: dict[str, Callable[[bytes, str], RawMesh]] = {".obj": parse_obj}
+
+
+@dataclass(frozen=True, eq=False)
+class ReadResult:
+    """A mesh from a file, and what happened on the way.
+
+    Attributes
+    ----------
+    mesh : oriented manifold mesh, in the file's unit times the scale
+    notes : what was ignored, mended or is remarkable, a sentence each
+    file, sha256 : where it came from
+    vertices, faces : how many the file has (before unused and duplicated vertices went)
+    """
+
+    mesh: Mesh
+    notes: tuple[str, ...]
+    file: str
+    sha256: str
+    vertices: int
+    faces: int
+
+    def __repr__(self) -> str:
+        return f"ReadResult({self.mesh!r} from {self.file}, {len(self.notes)} notes)"
+
+
+def read_mesh(
+    path: str | Path,
+    scale: float = 1.0,
+    *,
+    merge: float | None = None,
+    limit_bytes: int = LIMIT_BYTES,
+) -> ReadResult:
+    """Read a polygon mesh; the suffix says the format: .obj, .off or .ply.
+
+    Parameters
+    ----------
+    scale : factor on all coordinates (1000 for metres to millimetres)
+    merge : distance, after scaling, below which vertices are one; None for
+        `tolerances.MERGE_RELATIVE` of the bounding box diagonal, 0 to merge nothing
+    limit_bytes : largest file that is read
+
+    Raises
+    ------
+    MeshError
+        With file, line (text formats) and reason: what cannot be read, or is no oriented manifold
+        surface even after mending.
+    """
+    path = Path(path)
+    if not (np.isfinite(scale) and scale > 0):
+        raise MeshError(f"scale {scale}: a positive number is needed")
+    parse = _PARSERS.get(path.suffix.lower())
+    if parse is None:
+        raise MeshError(
+            f"unknown kind of mesh file '{path.suffix}'; known: {', '.join(_PARSERS)}",
+            file=str(path),
+        )
+    data, digest = load_bytes(path, limit_bytes)
+    raw = parse(data, str(path))
+    mesh, notes = repair(replace(raw, points=raw.points * scale), merge)
+    return ReadResult(mesh, tuple(notes), str(path), digest, len(raw.points), len(raw.sizes))

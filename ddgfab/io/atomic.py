@@ -1,0 +1,63 @@
+"""Files that are there whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import BinaryIO
+
+from ddgfab.errors import OutputError
+
+
+@contextmanager
+def atomic_path(path: str | Path) -> Iterator[Path]:
+    """A temporary name in the target's folder, put in its place when the block ends well.
+
+    For writers that want a file name. The temporary name keeps the suffix, since some choose the
+    format by it. When the block raises, or Ctrl-C ends it, the temporary file is removed and an
+    old target stays as it was.
+
+    Raises
+    ------
+    OutputError
+        The operating system refuses to write (no folder, no permission, disk full).
+    """
+    target = Path(path)
+    temporary = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(4)}{target.suffix}")
+    try:
+        yield temporary
+        with temporary.open("rb+") as stream:
+            os.fsync(stream.fileno())
+        temporary.replace(target)
+        _sync_folder(target.parent)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink()
+
+
+@contextmanager
+def atomic_write(path: str | Path) -> Iterator[BinaryIO]:
+    """A binary stream to a file that appears, complete, when the block ends well.
+
+    Raises
+    ------
+    OutputError
+        As `atomic_path`.
+    """
+    with atomic_path(path) as temporary, temporary.open("xb") as stream:
+        yield stream
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the new name last through a power cut, where the system can."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
