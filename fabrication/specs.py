@@ -116,7 +116,9 @@ class ReferenceMark:
 
 @dataclass(frozen=True, eq=False)
 class NodeShape:
-    """A cylinder about z from z0 to z1 [mm], the vertex at the origin; bore 0 means solid.
+    """A cylinder about z from z0 to z1 [mm], the vertex at the origin.
+
+    bore : inner RADIUS [mm] of a tube; 0 means solid.
 
     Azimuth 0 is the x axis, the direction of the first arm.
     """
