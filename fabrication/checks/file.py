@@ -1,0 +1,158 @@
+"""Checks of written files: a STEP or STL file read back and compared with what went in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ddgfab.errors import InputError
+from ddgfab.mesh import Floats
+from fabrication.checks.mesh import measure_mesh
+from fabrication.checks.solid import SolidReport, inspect_solid
+from fabrication.export.stl import read_stl
+from fabrication.export.xcaf import components, free_labels, get_name, read_document
+from fabrication.specs import Check, TriangleMesh
+
+FILE_VOLUME_RELATIVE: Final = 1e-7
+"""How far a volume read back may be from the one written, relative to it (STEP's digits)."""
+
+STEP_UNIT: Final = "millimetre"
+"""The length unit of every STEP file that we write, as OCCT's reader names it."""
+
+STL_ROUNDING: Final = 2.0**-23
+"""Greatest rounding of a coordinate in an STL (single precision), relative to its size."""
+
+
+@dataclass(frozen=True)
+class StepProduct:
+    """A product read back: its name, what the kernel says of its shape, its colour and layers."""
+
+    name: str
+    report: SolidReport
+
+
+@dataclass(frozen=True, eq=False)
+class StepContent:
+    """A STEP file read back.
+
+    products : one for each distinct part
+    instances : (product name, component name, (4, 4) placement in the root's frame)
+    unit : length unit of the file, "millimetre" for ours; several are joined by commas
+    """
+
+    products: tuple[StepProduct, ...]
+    instances: tuple[tuple[str, str, Floats], ...]
+    unit: str
+
+
+def read_step(path: Path) -> StepContent:
+    """Read a STEP file with OCCT's XCAF reader and validate each product once.
+
+    Raises
+    ------
+    InputError
+        Missing, truncated or not STEP.
+    """
+    document, units = read_document(path)
+    products: dict[str, StepProduct] = {}
+    instances: list[tuple[str, str, Floats]] = []
+    for label in free_labels(document):
+        _walk(label, np.eye(4), get_name(label), products, instances)
+    return StepContent(tuple(products.values()), tuple(instances), ", ".join(units))
+
+
+def check_step_part(
+    path: Path, *, number: str, volume: float, relative: float = FILE_VOLUME_RELATIVE
+) -> list[Check]:
+    """The checks of one part number's STEP file, read back.
+
+    Parameters
+    ----------
+    number : the part number, that is the product's name
+    volume : [mm3] of the solid that was written
+
+    Returns
+    -------
+    Checks "file readable", and if it is, "file one solid", "file valid" (closed, BRepCheck),
+    "file name", "file unit", "file volume" (relative deviation).
+    """
+    try:
+        content = read_step(path)
+    except InputError as error:
+        return [Check("file readable", False, str(error))]
+    solids = sum(product.report.solids for product in content.products)
+    total = sum(product.report.volume for product in content.products)
+    sound = all(p.report.valid and p.report.closed for p in content.products)
+    names = ", ".join(product.name for product in content.products)
+    deviation = abs(total - volume) / max(abs(volume), 1e-300)
+    return [
+        Check("file readable", True),
+        Check("file one solid", solids == 1 == len(content.products), float(solids), 1.0),
+        Check("file valid", bool(content.products) and sound),
+        Check("file name", names == number, names, number),
+        Check("file unit", content.unit == STEP_UNIT, content.unit, STEP_UNIT),
+        Check("file volume", total > 0 and deviation <= relative, deviation, relative),
+    ]
+
+
+def check_stl_part(path: Path, mesh: TriangleMesh) -> list[Check]:
+    """The checks of one part number's STL file, read back and compared with the mesh written.
+
+    Returns
+    -------
+    Checks "stl readable", and if it is, "stl triangles" (count), "stl watertight" (open edges after
+    welding equal corners), "stl corners" (greatest distance [mm], against single precision).
+    """
+    try:
+        back = read_stl(path)
+    except InputError as error:
+        return [Check("stl readable", False, str(error))]
+    count, expected = len(back.triangles), len(mesh.triangles)
+    checks = [
+        Check("stl readable", True),
+        Check("stl triangles", count == expected, float(count), float(expected)),
+    ]
+    open_edges = measure_mesh(back).open_edges
+    checks.append(Check("stl watertight", count > 0 and open_edges == 0, float(open_edges), 0.0))
+    if count == expected and count:
+        away = float(
+            np.abs(back.vertices[back.triangles] - mesh.vertices[mesh.triangles]).max()
+        )
+        limit = STL_ROUNDING * float(np.abs(mesh.vertices).max())
+        checks.append(Check("stl corners", away <= limit, away, limit))
+    return checks
+
+
+def _walk(
+    label: Any,
+    motion: Floats,
+    name: str,
+    products: dict[str, StepProduct],
+    instances: list[tuple[str, str, Floats]],
+) -> None:
+    """Collect products and placed instances below a label."""
+    from OCP.XCAFDoc import XCAFDoc_ShapeTool
+
+    if XCAFDoc_ShapeTool.IsAssembly_s(label):
+        for component, target in components(label):
+            placed = motion @ matrix(XCAFDoc_ShapeTool.GetLocation_s(component))
+            _walk(target, placed, get_name(component), products, instances)
+        return
+    product = get_name(label)
+    instances.append((product, name, motion))
+    entry = str(label.Tag())
+    if entry not in products:
+        products[entry] = StepProduct(
+            product, inspect_solid(XCAFDoc_ShapeTool.GetShape_s(label))
+        )
+
+
+def matrix(location: Any) -> Floats:
+    """The (4, 4) matrix of a TopLoc_Location."""
+    motion = location.Transformation()
+    result = np.eye(4)
+    result[:3] = [[motion.Value(i, j) for j in range(1, 5)] for i in range(1, 4)]
+    return result

@@ -1,0 +1,282 @@
+"""STEP files as manufacturers want them: named, coloured, layered, with validation properties.
+
+Written with OCCT's XCAF directly: product = part number, component instance = piece mark.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import threading
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from ddgfab.errors import KernelError
+from ddgfab.io.atomic import atomic_write
+from fabrication.export.version import originating_system
+from fabrication.export.xcaf import mute, new_document, set_name
+from fabrication.specs import Placement, Properties, Role
+
+Schema = Literal["AP214", "AP242"]
+
+COLOURS: Final[dict[str, tuple[float, float, float]]] = {
+    "beam": (0.33, 0.36, 0.40),
+    "node": (0.80, 0.42, 0.16),
+    "panel": (0.45, 0.72, 0.74),
+}
+"""sRGB colours of the roles, 0..1."""
+
+LAYERS: Final[dict[str, str]] = {"beam": "BEAMS", "node": "NODES", "panel": "PANELS"}
+"""Layers of the roles."""
+
+GROUPS: Final[dict[str, str]] = {"beam": "Beams", "node": "Nodes", "panel": "Panels"}
+"""Sub-assemblies of the roles, in the order in which they appear."""
+
+_SCHEMA_OPTION: Final[dict[str, str]] = {"AP214": "AP214IS", "AP242": "AP242DIS"}
+# The kernel's settings for writing are global to the process, so one file is written at a time.
+_WRITING: Final = threading.Lock()
+# OCCT gives the unit of density as g^3 cm^2; these find the two exponents to mend (g cm^-3).
+_GRAM: Final = re.compile(rb"(DERIVED_UNIT_ELEMENT\(#(\d+),)3\.(\);\s+#\2 = \( MASS_UNIT)")
+_CENTIMETRE: Final = re.compile(
+    rb"(DERIVED_UNIT_ELEMENT\(#(\d+),)2\.(\);\s+#\2 = \( LENGTH_UNIT\(\) NAMED_UNIT\(\*\)"
+    rb"\s+SI_UNIT\(\.CENTI\.)"
+)
+_OCCURRENCE: Final = re.compile(rb"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')[^']*'")
+
+
+@dataclass(frozen=True)
+class Header:
+    """Who made the file. Empty fields are written as they are."""
+
+    author: str = ""
+    organisation: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material: its name and density [kg/m3]."""
+
+    name: str
+    density: float
+
+
+@dataclass(frozen=True, eq=False)
+class Product:
+    """A part number: its role, kernel solid in its own frame, properties and material."""
+
+    number: str
+    role: Role
+    solid: Any
+    properties: Properties
+    material: Material | None = None
+
+
+def time_stamp() -> str:
+    """Now, or SOURCE_DATE_EPOCH where it is set (ISO 8601, UTC, seconds)."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    moment = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdigit() else datetime.now(UTC)
+    return moment.strftime("%Y-%m-%dT%H:%M:%S")
+
+
+def write_part(
+    path: Path,
+    solid: Any,
+    *,
+    number: str,
+    role: Role,
+    properties: Properties,
+    header: Header | None = None,
+    material: Material | None = None,
+    schema: Schema = "AP214",
+) -> None:
+    """Write one part number as a STEP file (atomically).
+
+    Parameters
+    ----------
+    solid : TopoDS_Solid in the part's own frame [mm]
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    KernelError
+        OCCT refused the solid.
+    """
+    document = new_document()
+    _add_product(document, Product(number, role, solid, properties, material))
+    data = _document_bytes(document, path.name, header or Header(), schema)
+    with atomic_write(path) as file:
+        file.write(data)
+
+
+def write_assembly(
+    path: Path,
+    products: Sequence[Product],
+    instances: Iterable[tuple[str, str, Placement]],
+    *,
+    name: str,
+    header: Header | None = None,
+    schema: Schema = "AP214",
+) -> None:
+    """Write the whole as true instances: one shape a part number, many placements (atomically).
+
+    The instances hang in one sub-assembly a role (Beams, Nodes, Panels) under the root `name`.
+
+    Parameters
+    ----------
+    instances : (part number, piece mark, (4, 4) placement [mm]) of every piece
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    KernelError
+        An instance of an unknown part number, or OCCT refused.
+    """
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    document = new_document()
+    shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    root = shapes.NewShape()
+    set_name(root, name)
+    labels = {product.number: _add_product(document, product) for product in products}
+    roles = {product.number: product.role for product in products}
+    groups: dict[str, Any] = {}
+    for role in sorted(set(roles.values()), key=list(GROUPS).index):
+        groups[role] = shapes.NewShape()
+        set_name(groups[role], GROUPS[role])
+        set_name(shapes.AddComponent(root, groups[role], TopLoc_Location()), GROUPS[role])
+    for number, mark, placement in instances:
+        if number not in labels:
+            raise KernelError(f"piece {mark} is an instance of {number}, which has no solid")
+        label = shapes.AddComponent(groups[roles[number]], labels[number], location(placement))
+        set_name(label, mark)
+    shapes.UpdateAssemblies()
+    data = _document_bytes(document, path.name, header or Header(), schema)
+    with atomic_write(path) as file:
+        file.write(data)
+
+
+def location(placement: Placement) -> Any:
+    """A (4, 4) rigid motion as a TopLoc_Location."""
+    from OCP.gp import gp_Trsf
+    from OCP.TopLoc import TopLoc_Location
+
+    motion = gp_Trsf()
+    motion.SetValues(*(float(x) for x in np.asarray(placement)[:3].ravel()))
+    return TopLoc_Location(motion)
+
+
+def _add_product(document: Any, product: Product) -> Any:
+    """Label of a part number with name, colour, layer, material and validation properties."""
+    from OCP.gp import gp_Pnt
+    from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
+    from OCP.TCollection import TCollection_ExtendedString, TCollection_HAsciiString
+    from OCP.XCAFDoc import (
+        XCAFDoc_Area,
+        XCAFDoc_Centroid,
+        XCAFDoc_ColorType,
+        XCAFDoc_DocumentTool,
+        XCAFDoc_Volume,
+    )
+
+    main = document.Main()
+    label = XCAFDoc_DocumentTool.ShapeTool_s(main).AddShape(product.solid, False)
+    set_name(label, product.number)
+    colour = Quantity_Color(*COLOURS[product.role], Quantity_TypeOfColor.Quantity_TOC_sRGB)
+    XCAFDoc_DocumentTool.ColorTool_s(main).SetColor(
+        label, colour, XCAFDoc_ColorType.XCAFDoc_ColorGen
+    )
+    XCAFDoc_DocumentTool.LayerTool_s(main).SetLayer(
+        label, TCollection_ExtendedString(LAYERS[product.role]), True
+    )
+    if product.material is not None:
+        XCAFDoc_DocumentTool.MaterialTool_s(main).SetMaterial(
+            label,
+            TCollection_HAsciiString(_encoded(product.material.name)),
+            TCollection_HAsciiString(""),
+            product.material.density / 1000.0,  # OCCT writes grams per cubic centimetre
+            TCollection_HAsciiString("density"),
+            TCollection_HAsciiString("POSITIVE_RATIO_MEASURE"),
+        )
+    XCAFDoc_Volume.Set_s(label, product.properties.volume)
+    XCAFDoc_Area.Set_s(label, product.properties.area)
+    XCAFDoc_Centroid.Set_s(label, gp_Pnt(*product.properties.centroid))
+    return label
+
+
+def _document_bytes(document: Any, file_name: str, header: Header, schema: Schema) -> bytes:
+    """The STEP text of a document."""
+    from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.Interface import Interface_Static
+    from OCP.STEPCAFControl import STEPCAFControl_Writer
+    from OCP.STEPControl import STEPControl_StepModelType
+
+    with _WRITING:
+        mute()
+        writer = STEPCAFControl_Writer()  # the settings exist only after a writer does
+        Interface_Static.SetCVal_s("write.step.schema", _SCHEMA_OPTION[schema])
+        Interface_Static.SetCVal_s("write.step.unit", "MM")
+        Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
+        for switch in (
+            writer.SetColorMode,
+            writer.SetNameMode,
+            writer.SetLayerMode,
+            writer.SetPropsMode,
+            writer.SetMaterialMode,
+        ):
+            switch(True)
+        if not writer.Transfer(document, STEPControl_StepModelType.STEPControl_AsIs):
+            raise KernelError(f"{file_name}: OCCT cannot translate the shapes to STEP")
+        _fill_header(writer.ChangeWriter().Model(), file_name, header)
+        stream = io.BytesIO()
+        if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
+            raise KernelError(f"{file_name}: OCCT cannot write the STEP text")
+    text = _CENTIMETRE.sub(rb"\g<1>-3.\3", _GRAM.sub(rb"\g<1>1.\3", stream.getvalue()))
+    return _renumbered(text)
+
+
+def _fill_header(model: Any, file_name: str, header: Header) -> None:
+    """FILE_DESCRIPTION and FILE_NAME of a STEP model."""
+    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+    from OCP.TCollection import TCollection_HAsciiString
+
+    def text(value: str) -> Any:
+        return TCollection_HAsciiString(_encoded(value))
+
+    section = APIHeaderSection_MakeHeader(model)
+    section.SetName(text(file_name))
+    section.SetTimeStamp(text(time_stamp()))
+    section.SetAuthorValue(1, text(header.author))
+    section.SetOrganizationValue(1, text(header.organisation))
+    section.SetOriginatingSystem(text(originating_system()))
+    section.SetDescriptionValue(1, text(header.description or file_name))
+    section.Apply(model)
+
+
+def _encoded(text: str) -> str:
+    r"""Text in the 7-bit alphabet of ISO 10303-21: the rest as \X2\....\X0\."""
+    return "".join(
+        c if " " <= c <= "~" else f"\\X2\\{c.encode('utf-16-be').hex().upper()}\\X0\\"
+        for c in text
+    )
+
+
+def _renumbered(text: bytes) -> bytes:
+    """Component ids from 1 in file order: OCCT takes them from a counter of the whole process."""
+    count = 0
+
+    def number(match: re.Match[bytes]) -> bytes:
+        nonlocal count
+        count += 1
+        return b"%s%d'" % (match.group(1), count)
+
+    return _OCCURRENCE.sub(number, text)

@@ -1,0 +1,117 @@
+"""Binary STL straight from arrays; and STL, binary or text, back to triangles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ddgfab.errors import InputError
+from ddgfab.mesh import Floats
+from ddgfab.io.atomic import atomic_write
+from fabrication.specs import TriangleMesh
+
+_RECORD: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_HEADER: Final = 80
+
+
+def stl_bytes(mesh: TriangleMesh, name: str = "") -> bytes:
+    """The mesh as binary STL [mm]: header "ddgfab NAME", unit normals from the rounded corners.
+
+    The same mesh always gives the same bytes.
+    """
+    records = np.zeros(len(mesh.triangles), dtype=_RECORD)
+    corners = mesh.vertices.astype(np.float32)[mesh.triangles]
+    records["corners"] = corners
+    exact = corners.astype(np.float64)
+    normals = np.cross(exact[:, 1] - exact[:, 0], exact[:, 2] - exact[:, 0])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    records["normal"] = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+    # A header that begins with "solid" would be taken for a text STL.
+    header = f"ddgfab {name}".encode("ascii", "replace")[:_HEADER].ljust(_HEADER, b" ")
+    return header + np.uint32(len(records)).astype("<u4").tobytes() + records.tobytes()
+
+
+def write_stl(path: Path, mesh: TriangleMesh, name: str = "") -> None:
+    """Write a mesh as binary STL (atomically).
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    with atomic_write(path) as file:
+        file.write(stl_bytes(mesh, name))
+
+
+def read_stl(path: Path) -> TriangleMesh:
+    """The triangles of a binary or text STL; equal corners become one vertex.
+
+    Raises
+    ------
+    InputError
+        The file is missing, truncated, no STL, or holds coordinates that are not finite.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", file=str(path)) from error
+    corners = _binary(data)
+    if corners is None:
+        corners = _text(data, path)
+    if not np.isfinite(corners).all():
+        raise InputError("the STL holds a coordinate that is not finite", file=str(path))
+    return weld(corners)
+
+
+def weld(corners: Floats) -> TriangleMesh:
+    """The mesh of (m, 3, 3) triangle corners; corners with equal coordinates become one vertex."""
+    # Adding 0 turns -0 into 0, so that the two are one coordinate.
+    flat = np.ascontiguousarray(corners.reshape(-1, 3) + 0.0)
+    vertices, inverse = np.unique(flat, axis=0, return_inverse=True)
+    triangles: NDArray[np.int64] = inverse.reshape(-1, 3).astype(np.int64)
+    return TriangleMesh(vertices, triangles)
+
+
+def _binary(data: bytes) -> Floats | None:
+    """(m, 3, 3) corners when the length of the data is what a binary STL says it is."""
+    if len(data) < _HEADER + 4:
+        return None
+    count = int(np.frombuffer(data, "<u4", 1, _HEADER)[0])
+    if len(data) != _HEADER + 4 + count * _RECORD.itemsize:
+        return None
+    records = np.frombuffer(data, _RECORD, count, _HEADER + 4)
+    return np.array(records["corners"], dtype=np.float64)
+
+
+def _text(data: bytes, path: Path) -> Floats:
+    """(m, 3, 3) corners of a text STL."""
+    if not data.lstrip().startswith(b"solid"):
+        expected = "" if len(data) < _HEADER + 4 else _expected(data)
+        raise InputError(f"no STL, or a truncated one: {len(data)} bytes{expected}", file=str(path))
+    values: list[list[float]] = []
+    for number, line in enumerate(data.decode("ascii", "replace").splitlines(), start=1):
+        words = line.split()
+        if not words or words[0].lower() != "vertex":
+            continue
+        try:
+            point = [float(word) for word in words[1:]]
+        except ValueError:
+            point = []
+        if len(point) != 3:
+            raise InputError("a vertex needs three numbers", file=str(path), line=number)
+        values.append(point)
+    if len(values) % 3 or not values or b"endsolid" not in data:
+        raise InputError(
+            f"the text STL ends early: {len(values)} vertices, "
+            f"{'an' if b'endsolid' in data else 'no'} endsolid line",
+            file=str(path),
+        )
+    return np.array(values).reshape(-1, 3, 3)
+
+
+def _expected(data: bytes) -> str:
+    count = int(np.frombuffer(data, "<u4", 1, _HEADER)[0])
+    return f", where its {count} triangles need {_HEADER + 4 + count * _RECORD.itemsize}"

@@ -1,0 +1,134 @@
+"""OCCT's extended (XCAF) documents: made, named, and read back from STEP; shapes as bytes."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+from ddgfab.errors import InputError
+
+
+def mute() -> None:
+    """Keep OCCT from printing transfer statistics to the standard output of the process."""
+    from OCP.Message import Message, Message_Gravity
+
+    for printer in Message.DefaultMessenger_s().Printers():
+        printer.SetTraceLevel(Message_Gravity.Message_Fail)
+
+
+def new_document() -> Any:
+    """An empty XCAF document in millimetres."""
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.XCAFApp import XCAFApp_Application
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    document = TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
+    # Initialises the document for the attributes of shapes, colours and layers.
+    XCAFApp_Application.GetApplication_s().InitDocument(document)
+    XCAFDoc_DocumentTool.SetLengthUnit_s(document, 0.001)
+    return document
+
+
+def set_name(label: Any, name: str) -> None:
+    """Name a label."""
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDataStd import TDataStd_Name
+
+    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name, True))
+
+
+def get_name(label: Any) -> str:
+    """The name of a label, or an empty text."""
+    from OCP.TDataStd import TDataStd_Name
+
+    attribute = TDataStd_Name()
+    if not label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
+        return ""
+    return str(attribute.Get().ToExtString())
+
+
+def read_document(path: Path) -> tuple[Any, tuple[str, ...]]:
+    """The XCAF document of a STEP file, lengths in millimetres, and the file's own length units.
+
+    The units are the distinct ones of its representation contexts, such as ("millimetre",).
+
+    Raises
+    ------
+    InputError
+        The file is missing or is no STEP file that OCCT can read.
+    """
+    from OCP.IFSelect import IFSelect_ReturnStatus
+    from OCP.STEPCAFControl import STEPCAFControl_Reader
+    from OCP.TColStd import TColStd_SequenceOfAsciiString
+
+    mute()
+    if not path.is_file():
+        raise InputError("no such file", file=str(path))
+    document = new_document()
+    reader = STEPCAFControl_Reader()
+    for switch in (
+        reader.SetNameMode,
+        reader.SetColorMode,
+        reader.SetLayerMode,
+        reader.SetPropsMode,
+        reader.SetMatMode,
+    ):
+        switch(True)
+    if reader.ReadFile(str(path)) != IFSelect_ReturnStatus.IFSelect_RetDone:
+        raise InputError("not a readable STEP file (truncated, or another format)", file=str(path))
+    if not reader.Transfer(document):
+        raise InputError("the STEP file holds no shape that can be read", file=str(path))
+    units = [TColStd_SequenceOfAsciiString() for _ in range(3)]  # lengths, angles, solid angles
+    reader.ChangeReader().FileUnits(*units)
+    lengths = {units[0].Value(i).ToCString() for i in range(1, units[0].Length() + 1)}
+    return document, tuple(sorted(lengths))
+
+
+def free_labels(document: Any) -> list[Any]:
+    """Labels of the top-level shapes."""
+    from OCP.TDF import TDF_LabelSequence
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    labels = TDF_LabelSequence()
+    XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(labels)
+    return [labels.Value(i) for i in range(1, labels.Length() + 1)]
+
+
+def components(label: Any) -> list[tuple[Any, Any]]:
+    """The components of an assembly label with the labels of the shapes that they refer to."""
+    from OCP.TDF import TDF_Label, TDF_LabelSequence
+    from OCP.XCAFDoc import XCAFDoc_ShapeTool
+
+    sequence = TDF_LabelSequence()
+    XCAFDoc_ShapeTool.GetComponents_s(label, sequence)
+    pairs = []
+    for i in range(1, sequence.Length() + 1):
+        component, target = sequence.Value(i), TDF_Label()
+        XCAFDoc_ShapeTool.GetReferredShape_s(component, target)
+        pairs.append((component, target))
+    return pairs
+
+
+def solid_to_bytes(solid: Any) -> bytes:
+    """A kernel shape as a BinTools stream: the cheapest way between processes."""
+    from OCP.BinTools import BinTools
+
+    stream = io.BytesIO()
+    BinTools.Write_s(solid, stream)
+    return stream.getvalue()
+
+
+def solid_from_bytes(data: bytes) -> Any:
+    """The kernel shape that `solid_to_bytes` streamed, as its proper subtype.
+
+    The bytes are trusted: what is no such stream ends in an exception of the kernel.
+    """
+    from OCP.BinTools import BinTools
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopoDS import TopoDS, TopoDS_Shape
+
+    shape = TopoDS_Shape()
+    BinTools.Read_s(shape, io.BytesIO(data))
+    return TopoDS.Solid_s(shape) if shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID else shape
