@@ -25,5 +25,11 @@ NET_PLANAR_PERCENT: Final = 0.02
 NET_ANGLE_DEG: Final = 0.1
 """A net is called circular or conical below this defect [deg]."""
 
+NET_STAR_DEG: Final = 0.1
+"""Edges follow asymptotic lines when they leave the plane of their vertex star by less [deg]."""
+
+NET_SIDES_PERCENT: Final = 0.1
+"""Opposite sides of a quad count as equal below this difference [% of the mean side]."""
+
 UNIT_NORMAL: Final = 1e-9
 """How far the length of a unit vector may be from one."""

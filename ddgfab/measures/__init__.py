@@ -3,5 +3,24 @@
 from __future__ import annotations
 
 from ddgfab.measures.edges import dihedral_angles, lean, torsion
+from ddgfab.measures.faces import chebyshev_defect, circular_defect, planarity, planarity_percent
+from ddgfab.measures.kinds import kind_names, kind_words
+from ddgfab.measures.report import Measure, Report, inspect
+from ddgfab.measures.vertices import conical_defect, star_defect
 
-__all__ = ["dihedral_angles", "lean", "torsion"]
+__all__ = [
+    "Measure",
+    "Report",
+    "chebyshev_defect",
+    "circular_defect",
+    "conical_defect",
+    "dihedral_angles",
+    "inspect",
+    "kind_names",
+    "kind_words",
+    "lean",
+    "planarity",
+    "planarity_percent",
+    "star_defect",
+    "torsion",
+]

@@ -1,0 +1,81 @@
+"""Which kind of net a mesh is within tolerance, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ddgfab.measures.edges import dihedral_angles
+from ddgfab.measures.faces import chebyshev_defect, circular_defect, planarity_percent
+from ddgfab.measures.vertices import conical_defect, star_defect
+from ddgfab.mesh import Mesh
+from ddgfab.tolerances import (
+    NET_ANGLE_DEG,
+    NET_PLANAR_PERCENT,
+    NET_SIDES_PERCENT,
+    NET_STAR_DEG,
+)
+
+
+def kind_names(mesh: Mesh) -> tuple[str, ...]:
+    """Short names of all kinds of net that the mesh is within tolerance, the most telling first.
+
+    Of: flat, conical, circular, planar, K-net, A-net, Chebyshev, equal-angle-sums, quad, triangle,
+    polygon. Tolerances: `NET_PLANAR_PERCENT`, `NET_ANGLE_DEG`, `NET_STAR_DEG`,
+    `NET_SIDES_PERCENT`.
+    """
+    quads = bool((mesh.face_sizes == 4).all())
+    triangles = bool((mesh.face_sizes == 3).all())
+    planar = bool(planarity_percent(mesh).max() <= NET_PLANAR_PERCENT)
+    has_inner = bool((~mesh.boundary_vertex & (mesh.valences > 3)).any())
+    angle = np.radians(NET_ANGLE_DEG)
+    conical = has_inner and bool(conical_defect(mesh).max() <= angle)
+    circular = bool(circular_defect(mesh).max() <= angle)
+    flat = bool(np.abs(dihedral_angles(mesh)).max() <= angle)
+    stars = has_inner and bool(star_defect(mesh).max() <= np.radians(NET_STAR_DEG))
+    sides = quads and bool(chebyshev_defect(mesh).max() <= NET_SIDES_PERCENT)
+    skew = quads and not planar
+    found = {
+        "flat": planar and flat,
+        "conical": planar and conical and not flat and not triangles,
+        "circular": planar and circular and not triangles,
+        "planar": planar and not triangles,
+        "K-net": skew and stars and sides,
+        "A-net": skew and stars,
+        "Chebyshev": sides,
+        "equal-angle-sums": skew and circular and conical,
+        "quad": quads,
+        "triangle": triangles,
+        "polygon": not quads and not triangles,
+    }
+    return tuple(name for name, holds in found.items() if holds)
+
+
+def kind_words(mesh: Mesh, names: tuple[str, ...] | None = None) -> str:
+    """One line for people: the kind of net, its polygons, how planar it is."""
+    names = kind_names(mesh) if names is None else names
+    percent = float(planarity_percent(mesh).max())
+    polygons = "quads" if "quad" in names else "polygons"
+    planar = f"{polygons}, planar to {percent:.2g} %"
+    if "triangle" in names:
+        return "flat triangle mesh" if "flat" in names else "triangle mesh"
+    if "flat" in names:
+        return f"flat mesh ({planar})"
+    if "conical" in names:
+        both = "conical and circular net" if "circular" in names else "conical net"
+        return f"{both} ({planar})"
+    if "circular" in names:
+        return f"circular net ({planar})"
+    if "planar" in names:
+        quads = "planar quad mesh (PQ mesh, conjugate net; planar to"
+        many = "planar polygon mesh (planar to"
+        return f"{quads if 'quad' in names else many} {percent:.2g} %)"
+    skew = f"not planar, up to {percent:.2g} %"
+    if "K-net" in names:
+        return f"K-net: A-net along asymptotic lines, opposite sides equal (quads, {skew})"
+    if "A-net" in names:
+        return f"A-net along asymptotic lines (quads, {skew})"
+    if "Chebyshev" in names:
+        return f"Chebyshev net: opposite sides equal (quads, {skew})"
+    if "equal-angle-sums" in names:
+        return f"quad mesh with equal sums of opposite angles at faces and vertices, but {skew}"
+    return f"general {'quad' if 'quad' in names else 'polygon'} mesh, {skew}"
