@@ -72,7 +72,10 @@ class Mesh:
         sizes = np.array([len(face) for face in faces], dtype=np.int64)
         if sizes.min() < 3:
             raise MeshError(f"face {int(sizes.argmin())} has {int(sizes.min())} corners; 3 needed")
-        corners = np.concatenate([np.asarray(face, dtype=np.int64) for face in faces])
+        flat = np.concatenate([np.asarray(face) for face in faces])
+        if flat.dtype.kind not in "iu":
+            raise MeshError(f"faces hold {flat.dtype} values; whole numbers are needed")
+        corners = flat.astype(np.int64)
         mesh = Mesh(
             _frozen(points), _frozen(corners), _frozen(np.concatenate([[0], np.cumsum(sizes)]))
         )

@@ -11,6 +11,8 @@ import numpy as np
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_path, atomic_write
 from ddgfab.io.obj import parse_obj, write_obj
+from ddgfab.io.off import parse_off, write_off
+from ddgfab.io.ply import parse_ply, write_ply
 from ddgfab.io.raw import LIMIT_BYTES, RawMesh, load_bytes
 from ddgfab.io.repair import repair
 from ddgfab.mesh import Mesh
@@ -22,9 +24,15 @@ __all__ = [
     "atomic_write",
     "read_mesh",
     "write_obj",
+    "write_off",
+    "write_ply",
 ]
 
-_PARSERS: dict[str, Callable[[bytes, str], RawMesh]] = {".obj": parse_obj}
+_PARSERS: dict[str, Callable[[bytes, str], RawMesh]] = {
+    ".obj": parse_obj,
+    ".off": parse_off,
+    ".ply": parse_ply,
+}
 
 
 @dataclass(frozen=True, eq=False)

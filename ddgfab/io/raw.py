@@ -90,8 +90,8 @@ def load_bytes(path: Path, limit_bytes: int) -> tuple[bytes, str]:
     return data, hashlib.sha256(data).hexdigest()
 
 
-def decode(data: bytes, file: str) -> str:
-    """Text of a file: byte order mark and all line ends taken away; binary content is refused."""
+def decode(data: bytes, file: str, lines_before: int = 0) -> str:
+    """Text of a file with plain line ends, without byte order mark; binary content is refused."""
     for mark, codec in ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "")):
         if data.startswith(mark) and codec:
             try:
@@ -102,7 +102,7 @@ def decode(data: bytes, file: str) -> str:
             data = data[len(mark) :]
     zero = data.find(b"\0")
     if zero >= 0:
-        line = data.count(b"\n", 0, zero) + 1
+        line = lines_before + data.count(b"\n", 0, zero) + 1
         raise MeshError("holds binary data; a text file was expected", file=file, line=line)
     # Names in old files are Latin-1 as often as UTF-8; only ASCII matters for the mesh.
     text = data.decode("utf-8", errors="replace")
