@@ -1,0 +1,26 @@
+"""Torsion-free support structures: node axes, and why some nets have none."""
+
+from __future__ import annotations
+
+from ddgfab.support.asymptotic import edge_bend
+from ddgfab.support.choose import SupportKind, support_structure
+from ddgfab.support.exact import cone_axes, reflected_axes
+from ddgfab.support.optimize import OptimizeOptions, optimize
+from ddgfab.support.parallel import parallel_axes, parallel_field
+from ddgfab.support.structure import SupportStructure
+from ddgfab.support.triangles import best_centre, central
+
+__all__ = [
+    "OptimizeOptions",
+    "SupportKind",
+    "SupportStructure",
+    "best_centre",
+    "central",
+    "cone_axes",
+    "edge_bend",
+    "optimize",
+    "parallel_axes",
+    "parallel_field",
+    "reflected_axes",
+    "support_structure",
+]

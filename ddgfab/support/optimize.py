@@ -79,7 +79,7 @@ def _columns(vertices: Ints) -> Ints:
 
 
 def _hessian(mesh: Mesh, axes: Floats, frames: Floats, pull: Floats, force: Floats) -> csr_array:
-    """(2V, 2V) second derivative of the Lagrangian: sphere on the diagonal, det(e, t_i, t_j) off it.
+    """(2V, 2V) second derivative of the Lagrangian: the sphere's and det(e, t_i, t_j).
 
     pull : (V,) w <a, n>; force : (E,) multipliers.
     """
@@ -140,6 +140,7 @@ def optimize(
     mesh: Mesh,
     start: Floats | None = None,
     *,
+    target: Floats | None = None,
     weights: Floats | None = None,
     options: OptimizeOptions | None = None,
     throw: bool = True,
@@ -149,7 +150,8 @@ def optimize(
     Parameters
     ----------
     mesh : any oriented mesh; holes, several components, n-gons and skew faces are allowed
-    start : (V, 3) unit axes to begin with; the vertex normals by default
+    start : (V, 3) unit axes to begin with; the target by default
+    target : (V, 3) unit axes n to stay near; the vertex normals by default
     weights : (V,) positive weights w; 1 by default
     throw : raise when torsion stays above `TORSION_EXACT_DEG`; otherwise the last axes come
         back with status "stopped"
@@ -167,7 +169,8 @@ def optimize(
     """
     chosen = options or OptimizeOptions()
     used = mesh.valences > 0
-    normals = np.where(used[:, None], mesh.vertex_normals, np.array([0.0, 0.0, 1.0]))
+    aim = mesh.vertex_normals if target is None else target
+    normals = np.where(used[:, None], aim, np.array([0.0, 0.0, 1.0]))
     axes = np.where(used[:, None], normals if start is None else start, normals)
     weight = np.ones(mesh.n_vertices) if weights is None else weights
     force = np.zeros(mesh.n_edges)

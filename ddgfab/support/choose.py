@@ -1,0 +1,169 @@
+"""support_structure: the torsion-free structure that a net allows, by kind or automatically."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+import numpy as np
+
+from ddgfab.errors import SupportError
+from ddgfab.measures import circular_defect, conical_defect, planarity_percent, torsion
+from ddgfab.mesh import Floats, Mesh
+from ddgfab.support.asymptotic import ASYMPTOTIC_BEND, edge_bend
+from ddgfab.support.exact import cone_axes, reflected_axes
+from ddgfab.support.optimize import optimize
+from ddgfab.support.parallel import parallel_axes
+from ddgfab.support.structure import SupportStructure
+from ddgfab.support.triangles import central, refuse_triangles
+from ddgfab.tolerances import (
+    LEAN_LIMIT_DEG,
+    LEAN_UPRIGHT_DEG,
+    NET_ANGLE_DEG,
+    NET_PLANAR_PERCENT,
+)
+
+SupportKind = Literal["auto", "offset", "normal", "axis", "optimize", "central"]
+
+_EXACT = {"normal": reflected_axes, "axis": cone_axes, "offset": parallel_axes}
+
+
+def support_structure(
+    mesh: Mesh, kind: SupportKind = "auto", *, lean_limit_deg: float = LEAN_LIMIT_DEG
+) -> SupportStructure:
+    """Torsion-free node axes on a mesh, vertices fixed.
+
+    Kinds: "normal" (circular nets: vertex normals by reflection), "axis" (conical nets: axes of
+    the vertex cones), "offset" (planar faces: the parallel mesh nearest to the vertex normals),
+    "optimize" (any mesh: axes nearest to the vertex normals), "central" (any mesh: axes through
+    one point), "auto": the first of "normal", "axis", "offset" that the net allows exactly within
+    the lean limit, otherwise "optimize". A net that is circular, conical or planar only within
+    tolerance gets the torsion-free axes nearest to those of the kind asked for.
+
+    Parameters
+    ----------
+    lean_limit_deg : structures that lean by more are passed over by "auto" where another leans
+        less; the caller judges what comes back (`SupportStructure.leaning`)
+
+    Raises
+    ------
+    SupportError
+        An unknown kind; a kind that the net does not allow, with the defect; a triangle mesh
+        (Prop. 5.2); no torsion-free axes; axes that lie in the surface (`LEAN_UPRIGHT_DEG`), as
+        on nets along asymptotic lines.
+    """
+    if kind not in get_args(SupportKind):
+        raise SupportError(
+            f'unknown support kind "{kind}"; one of {", ".join(get_args(SupportKind))}'
+        )
+    if kind == "central":
+        return _upright(central(mesh))
+    if (mesh.face_sizes == 3).all():
+        raise refuse_triangles(mesh)
+    if kind == "optimize":
+        return _optimized(mesh)
+    if kind != "auto":
+        objection = _objection(mesh, kind)
+        if objection:
+            raise SupportError(
+                f'support kind "{kind}" does not fit this net: {objection}\n'
+                'take [support] kind = "optimize", or optimise the net first'
+            )
+        return _upright(_exact(mesh, kind))
+    found = []
+    for name in _EXACT:
+        if not _objection(mesh, name):
+            axes = _EXACT[name](mesh)
+            candidate = SupportStructure.of(mesh, axes, name)
+            if candidate.torsion_free and candidate.lean_deg_max <= lean_limit_deg:
+                return candidate
+            if candidate.torsion_free:
+                found.append(candidate)
+    try:
+        found.append(_optimized(mesh))
+    except SupportError:
+        if not found:
+            raise
+    return _upright(min(found, key=lambda structure: structure.lean_deg_max))
+
+
+def _objection(mesh: Mesh, kind: str) -> str:
+    """Why a net does not allow an exact kind, in words and numbers; empty when it does."""
+    flat = planarity_percent(mesh)
+    worst = int(flat.argmax())
+    if flat[worst] > NET_PLANAR_PERCENT:
+        return f"face {worst} is {flat[worst]:.2g} % from planar (limit {NET_PLANAR_PERCENT:g} %)"
+    if kind == "normal":
+        odd = np.flatnonzero(mesh.face_sizes % 2)
+        if len(odd):
+            return f"face {odd[0]} has {mesh.face_sizes[odd[0]]} sides; reflections need even"
+        return _defect("face", "circular", circular_defect(mesh))
+    if kind == "axis":
+        if mesh.boundary_vertex[mesh.valences > 0].all():
+            return "it has no interior vertex, so no cones"
+        return _defect("vertex", "conical", conical_defect(mesh))
+    return ""
+
+
+def _defect(element: str, name: str, values: Floats) -> str:
+    worst, angle = int(values.argmax()), float(np.degrees(values.max()))
+    if angle <= NET_ANGLE_DEG:
+        return ""
+    return f"{element} {worst} is {angle:.2g} deg from {name} (limit {NET_ANGLE_DEG:g} deg)"
+
+
+def _exact(mesh: Mesh, kind: str) -> SupportStructure:
+    """Structure of an exact kind; where the net is so only nearly, moved onto torsion zero."""
+    axes = _EXACT[kind](mesh)
+    structure = SupportStructure.of(mesh, axes, kind)
+    if structure.torsion_free:
+        return structure
+    near = optimize(mesh, target=axes)
+    return SupportStructure.of(
+        mesh, near.axes, kind, status=near.status, history=structure.history + near.history
+    )
+
+
+def _optimized(mesh: Mesh) -> SupportStructure:
+    """The optimised structure, upright; explains itself where the solver fails on such a net."""
+    return _upright(optimize(mesh, throw=False))
+
+
+def _upright(structure: SupportStructure) -> SupportStructure:
+    """Pass a structure that stands up and is torsion-free; explain the others."""
+    mesh = structure.mesh
+    lying = structure.lean_deg_max > LEAN_UPRIGHT_DEG
+    if structure.torsion_free and not lying:
+        return structure
+    angles = np.degrees(torsion(mesh, mesh.vertex_normals))
+    worst = int(angles.argmax())
+    normals = (
+        f"the vertex normals have torsion {angles[worst]:.2f} deg at edge {worst}, "
+        f"{angles.mean():.2f} deg on average"
+    )
+    if lying:
+        found = (
+            f"axes lean by up to {structure.lean_deg_max:.0f} deg (vertex "
+            f"{structure.worst_vertices(1)[0]}; {structure.lean_deg_mean:.0f} deg on average)"
+        )
+    else:
+        edges = ", ".join(str(i) for i in structure.worst_edges(3))
+        found = f"torsion stays at {structure.torsion_deg_max:.2g} deg (edges {edges})"
+    raise SupportError(f"no upright torsion-free node axes: {found}{_reason(structure)}\n{normals}")
+
+
+def _reason(structure: SupportStructure) -> str:
+    """Why a net has no upright axes, where that can be told."""
+    mesh = structure.mesh
+    if structure.kind == "central":
+        return "; axes through one centre suit nets like domes only"
+    bend = edge_bend(mesh)
+    if bend < ASYMPTOTIC_BEND:
+        return (
+            "; the net follows asymptotic lines (its edges bend by "
+            f"{100 * bend:.0f} % of what the normals turn), where axes end up lying in the surface"
+        )
+    flat = planarity_percent(mesh)
+    return (
+        f"; its edges are far from conjugate directions (faces are up to {flat.max():.2g} % and "
+        f"on average {flat.mean():.2g} % from planar): optimise the net for planarity first"
+    )

@@ -1,0 +1,66 @@
+"""Exact axes of circular nets (reflected normals) and of conical nets (cones at vertices)."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components
+
+from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.support.parallel import parallel_field
+
+BOUNDARY_WEIGHT = 1e-6
+"""Weight of boundary vertices, which have no full cone, against the cones' axes."""
+
+FLAT_STAR = 1e-6
+"""Relative singular value below which the face normals of a star count as one."""
+
+
+def reflected_axes(mesh: Mesh) -> Floats:
+    """(V, 3) unit axes of a circular net: each edge's bisector plane reflects one end to the other.
+
+    The first axis of each component is free on the sphere (two parameters); the one is taken
+    whose axes are nearest to the vertex normals, in closed form. Independent of the path where
+    all faces have circumcircles and an even number of sides and the mesh has no handles or holes
+    with holonomy; elsewhere the edges off the spanning tree keep torsion (measure it).
+
+    Source: vertex offsets, Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3; maths.md 2.7.
+    """
+    count = mesh.n_vertices
+    start, end = mesh.edges.T
+    graph = coo_array((np.ones(mesh.n_edges), (start, end)), shape=(count, count)).tocsr()
+    labels = connected_components(graph, directed=False)[1]
+    axes = np.zeros((count, 3))
+    moves = np.zeros((count, 3, 3))  # axis of a vertex = moves[v] @ axis of its root
+    for root in np.unique(labels, return_index=True)[1]:
+        if mesh.valences[root] == 0:
+            continue
+        order, before = breadth_first_order(graph, root, directed=False)
+        moves[root] = np.eye(3)
+        for vertex in order[1:]:
+            parent = before[vertex]
+            e = unit(mesh.vertices[vertex] - mesh.vertices[parent])
+            moves[vertex] = moves[parent] - 2.0 * np.outer(e, e @ moves[parent])
+        first = unit(np.einsum("vij,vi->j", moves[order], mesh.vertex_normals[order]))
+        axes[order] = moves[order] @ first
+    return axes
+
+
+def cone_axes(mesh: Mesh) -> Floats:
+    """(V, 3) unit axes of a conical net: those of the cones that the faces at a vertex touch.
+
+    Moving every face by one distance gives the parallel mesh v' = v + d_v with <d_v, N_f> = 1 at
+    all faces f of an interior vertex (face offset). Boundary vertices touch too few faces: there
+    d is the nearest to the normals among the parallel meshes that continue the interior.
+
+    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; maths.md 2.9, 10.6.
+    """
+    offset = np.zeros_like(mesh.vertices)
+    for valence in np.unique(mesh.valences[mesh.valences > 0]).tolist():
+        ids = np.flatnonzero(mesh.valences == valence)
+        faces = mesh.star_faces[mesh.star_start[ids, None] + np.arange(valence)]
+        normals = np.where(faces[..., None] >= 0, mesh.face_normals[faces], 0.0)
+        ones = (faces >= 0).astype(np.float64)
+        offset[ids] = np.einsum("vxk,vk->vx", np.linalg.pinv(normals, rcond=FLAT_STAR), ones)
+    weights = np.where(mesh.boundary_vertex, BOUNDARY_WEIGHT, 1.0)
+    return unit(parallel_field(mesh, offset, weights))

@@ -1,0 +1,73 @@
+"""Support structures from parallel meshes: axes a(v) along v' - v of a mesh with parallel edges.
+
+The differences d_v = v' - v solve the linear problem (d_i - d_j) parallel to e_ij for every edge
+(Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 2; maths.md 10.4). A planar m x n net has a
+space of m + n + 3 of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+from scipy.sparse.linalg import splu
+
+from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.support.optimize import tangent_frames
+
+PENALTY = 1e7
+"""Weight of the edge conditions against the distance to the target, both without unit."""
+
+MULTIPLIER_STEPS = 6
+"""Steps of the method of multipliers; each gains the digits that the penalty gives."""
+
+
+def edge_conditions(mesh: Mesh) -> csr_array:
+    """(2E, 3V) matrix of (d_i - d_j) x e = 0: two unit directions across each edge."""
+    across = tangent_frames(unit(mesh.edge_vectors)).reshape(-1, 3)  # (2E, 3)
+    row = np.arange(2 * mesh.n_edges)
+    start, end = (3 * np.repeat(mesh.edges[:, k], 2)[:, None] + np.arange(3) for k in (0, 1))
+    return csr_array(
+        (
+            np.concatenate([across.ravel(), -across.ravel()]),
+            (np.tile(np.repeat(row, 3), 2), np.concatenate([start.ravel(), end.ravel()])),
+        ),
+        shape=(2 * mesh.n_edges, 3 * mesh.n_vertices),
+    )
+
+
+def parallel_field(mesh: Mesh, target: Floats, weights: Floats | None = None) -> Floats:
+    """(V, 3) differences d to the parallel mesh nearest to a target field, by least squares.
+
+    Minimises sum w_v |d_v - target_v|^2 under the edge conditions, with the method of
+    multipliers. Exact to rounding where faces are planar; where they are only nearly so the
+    conditions contradict each other and a compromise comes back (measure its torsion).
+
+    Parameters
+    ----------
+    target : (V, 3)
+    weights : (V,) positive; 1 by default
+    """
+    weight = np.repeat(np.ones(mesh.n_vertices) if weights is None else weights, 3)
+    matrix = edge_conditions(mesh)
+    system = (diags_array(weight) + PENALTY * (matrix.T @ matrix)).tocsc()
+    factor = splu(
+        system,
+        permc_spec="MMD_AT_PLUS_A",
+        options={"SymmetricMode": True},
+        diag_pivot_thresh=0.0,  # positive definite
+    )
+    force = np.zeros(matrix.shape[0])
+    pull = weight * target.ravel()
+    field = factor.solve(pull)
+    for _ in range(MULTIPLIER_STEPS):
+        force += PENALTY * (matrix @ field)
+        field = factor.solve(pull - matrix.T @ force)
+    return np.asarray(field).reshape(-1, 3)
+
+
+def parallel_axes(mesh: Mesh) -> Floats:
+    """(V, 3) unit axes of the parallel mesh nearest to the vertex normals (see `parallel_field`).
+
+    They may point to the wrong side where no parallel mesh is near: look at the lean.
+    """
+    return unit(parallel_field(mesh, mesh.vertex_normals))

@@ -1,0 +1,73 @@
+"""Triangle meshes: every torsion-free structure is central (Prop. 5.2), a_v = v - z."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ddgfab.errors import SupportError
+from ddgfab.measures import torsion
+from ddgfab.mesh import Floats, Mesh
+from ddgfab.support.structure import SupportStructure
+from ddgfab.tolerances import RELATIVE_DEGENERATE
+
+
+def best_centre(mesh: Mesh) -> Floats | None:
+    """(3,) the point nearest to all vertex normal lines (least squares), None if at infinity.
+
+    Solves sum (I - n n^T)(v - z) = 0; the matrix is singular when all normals are parallel.
+    """
+    used = mesh.valences > 0
+    normals, points = mesh.vertex_normals[used], mesh.vertices[used]
+    origin = points.mean(axis=0)
+    across = np.eye(3) - np.einsum("vi,vj->vij", normals, normals)
+    matrix = across.mean(axis=0)
+    if np.linalg.eigvalsh(matrix)[0] < RELATIVE_DEGENERATE:
+        return None
+    right = np.einsum("vij,vj->i", across, points - origin) / len(points)
+    return np.asarray(origin + np.linalg.solve(matrix, right))
+
+
+def central(mesh: Mesh, centre: ArrayLike | None = None) -> SupportStructure:
+    """Central structure: all axes pass through one point z, on the side of the normals.
+
+    Torsion-free on every mesh, as the plane through an edge and z holds both axes. On triangle
+    meshes there are no others (Pottmann, Liu, Wallner, Bobenko, Wang 2007; Prop. 5.2, maths.md
+    10.5). With the best centre at infinity all axes are parallel.
+
+    Parameters
+    ----------
+    centre : (3,); the point nearest to all vertex normals by default
+
+    Raises
+    ------
+    SupportError
+        The centre is a vertex.
+    """
+    z = best_centre(mesh) if centre is None else np.asarray(centre, dtype=np.float64)
+    used = mesh.valences > 0
+    axes = (
+        np.broadcast_to(mesh.vertex_normals.sum(axis=0), mesh.vertices.shape)
+        if z is None
+        else mesh.vertices - z
+    )
+    length = np.linalg.norm(axes, axis=1)
+    at = np.flatnonzero(used & (length <= RELATIVE_DEGENERATE * mesh.diameter))
+    if len(at):
+        raise SupportError(f"vertex {at[0]} lies in the centre of the structure: move the centre")
+    outward = np.einsum("vx,vx->", axes / np.where(used, length, 1.0)[:, None], mesh.vertex_normals)
+    return SupportStructure.of(
+        mesh, np.where(used[:, None], np.copysign(1.0, outward) * axes, 0.0), "central"
+    )
+
+
+def refuse_triangles(mesh: Mesh) -> SupportError:
+    """The error that says Prop. 5.2, with the torsion of the vertex normals and the way out."""
+    angles = np.degrees(torsion(mesh, mesh.vertex_normals))
+    worst = int(angles.argmax())
+    return SupportError(
+        "a triangle mesh has no torsion-free node axes but those through one centre (Prop. 5.2)\n"
+        f"its vertex normals have torsion {angles[worst]:.2f} deg at edge {worst} "
+        f"(mean {angles.mean():.2f} deg)\n"
+        'take the central structure with [support] kind = "central", or use a quad mesh'
+    )
