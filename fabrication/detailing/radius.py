@@ -1,0 +1,138 @@
+"""The node's radius: arms must not touch. `fabrication.md`, Node element; maths.md 11a."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ddgfab.errors import DetailError
+from ddgfab.mesh import Floats, Mesh
+from fabrication.detailing.frames import Arms, beam_mark, listed, node_mark
+from fabrication.project.models import Project
+from fabrication.specs import Profile
+from fabrication.standards import node_diameters
+
+LEAST_WALL: Final = 2.0
+"""Wall [mm] that a seat must leave of a tube."""
+
+
+@dataclass(frozen=True)
+class NodeSize:
+    """Dimensions that all nodes share [mm].
+
+    radius, bore : outside and inside radius; bore 0 for a solid cylinder
+    seat : distance of the seats from the axis; the radius where there are none
+    cut : distance of the beams' cuts from the axis
+    needed : least radius that the arms allow
+    forced_by : vertex of the node that needs it
+    """
+
+    radius: float
+    bore: float
+    seat: float
+    cut: float
+    needed: float
+    forced_by: int
+
+
+def least_radii(arms: Arms, width: float, clearance: float) -> Floats:
+    """(A,) least radius [mm] that keeps each arm from the next: (b/2) / sin(phi/2) + clearance.
+
+    Arms of width b at azimuth difference phi meet at that distance from the axis; beyond a
+    straight angle only the arm's own width counts.
+    """
+    half_angle = 0.5 * np.minimum(arms.gap, np.pi)
+    return 0.5 * width / np.sin(half_angle) + clearance
+
+
+def check_angles(mesh: Mesh, arms: Arms, limit_deg: float) -> None:
+    """Raise `DetailError` where neighbouring arms are nearer in azimuth than the limit [deg]."""
+    gap = np.degrees(arms.gap)
+    after = arms.following()
+    close = np.flatnonzero(gap < limit_deg)
+    if len(close):
+        close = close[np.argsort(gap[close], kind="stable")]
+        raise listed(
+            [
+                f"node {node_mark(arms.node[k])}: beams {beam_mark(arms.edge[k])} and "
+                f"{beam_mark(arms.edge[after[k]])} are {gap[k]:.1f} deg apart"
+                for k in close.tolist()
+            ],
+            f"the least angle between arms is {limit_deg:g} deg ([checks] min_angle_deg)",
+        )
+
+
+def node_size(mesh: Mesh, arms: Arms, profile: Profile, project: Project) -> NodeSize:
+    """Size of the nodes: the given diameter, or the least of the series that fits everywhere.
+
+    Raises
+    ------
+    DetailError
+        The given diameter, or every one of the series, is too small; names node, arms and angle.
+    """
+    settings = project.node
+    needs = least_radii(arms, profile.width, settings.arm_clearance_mm)
+    worst = int(needs.argmax())
+    needed = float(needs[worst])
+    if settings.diameter_mm == "auto":
+        series = sorted(settings.series_mm) or node_diameters(settings.kind)
+        for diameter in series:
+            size = _size(diameter, needed, int(arms.node[worst]), profile, project)
+            if diameter >= settings.min_diameter_mm and not _misfit(size, project):
+                return size
+        raise DetailError(
+            f"{_forced(arms, worst)}, which needs a diameter of {2 * needed:.1f} mm; the series "
+            f"ends at {series[-1]:g} mm\ntake a narrower [beam] profile or a larger "
+            f"[node] series_mm"
+        )
+    size = _size(settings.diameter_mm, needed, int(arms.node[worst]), profile, project)
+    if size.radius < needed:
+        bad = np.flatnonzero(needs > size.radius)
+        bad = bad[np.argsort(-needs[bad], kind="stable")]
+        raise listed(
+            [f"{_forced(arms, k)}, which needs {2 * needs[k]:.1f} mm" for k in bad.tolist()],
+            f"[node] diameter_mm = {settings.diameter_mm:g} is too small for beams "
+            f'{profile.width:g} mm wide: at least {2 * needed:.1f} mm, or "auto"',
+        )
+    misfit = _misfit(size, project)
+    if misfit:
+        raise DetailError(misfit)
+    return size
+
+
+def _size(
+    diameter: float, needed: float, forced_by: int, profile: Profile, project: Project
+) -> NodeSize:
+    radius = 0.5 * diameter
+    bore = max(radius - project.node.wall_mm, 0.0) if project.node.kind == "tube" else 0.0
+    flat = project.beam.end == "flat"
+    seat = max(radius**2 - 0.25 * profile.width**2, 0.0) ** 0.5 if flat else radius
+    return NodeSize(radius, bore, seat, seat + project.beam.clearance_mm, needed, forced_by)
+
+
+def _misfit(size: NodeSize, project: Project) -> str:
+    """Why a size does not do, or an empty string."""
+    if size.radius < size.needed:
+        return f"diameter {2 * size.radius:g} mm is less than {2 * size.needed:.1f} mm"
+    if project.node.kind == "tube" and size.bore <= 0:
+        return (
+            f"a tube of diameter {2 * size.radius:g} mm has no bore left with [node] wall_mm = "
+            f"{project.node.wall_mm:g}: take a thinner wall or a solid cylinder"
+        )
+    if size.seat - size.bore < LEAST_WALL:
+        return (
+            f"a seat at {size.seat:.2f} mm from the axis leaves {size.seat - size.bore:.2f} mm of "
+            f"the wall of a tube of diameter {2 * size.radius:g} mm; at least {LEAST_WALL:g} mm: "
+            f"take a thicker [node] wall_mm or a larger diameter"
+        )
+    return ""
+
+
+def _forced(arms: Arms, k: int) -> str:
+    other = int(arms.following()[k])
+    return (
+        f"node {node_mark(arms.node[k])} has beams {beam_mark(arms.edge[k])} and "
+        f"{beam_mark(arms.edge[other])} at {np.degrees(arms.gap[k]):.1f} deg"
+    )

@@ -1,0 +1,277 @@
+"""The sections of a project file as typed records; every key has a unit, a default and a meaning.
+
+A key's unit is in its name: _mm millimetres, _deg degrees, _percent percent.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from ddgfab.tolerances import LEAN_LIMIT_DEG
+from fabrication.specs import Profile
+from fabrication.standards import bolt_hole, density, polygon, profile, stock_size
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Degrees = Annotated[float, Field(ge=0, le=180)]
+Format = Literal["step", "stl", "glb", "csv", "xlsx"]
+BoltSize = Literal["none", "M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
+
+
+class Section(BaseModel):
+    """Base of the sections: frozen, strict about types, unknown keys refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class General(Section):
+    """[project]: name and the size of the input.
+
+    Attributes
+    ----------
+    name : of the output folder; empty: the file's stem
+    units : of the input's coordinates
+    scale : factor on the input's coordinates, before units
+    median_edge_mm : instead of scale and units: the median edge becomes this long
+    """
+
+    name: str = ""
+    units: Literal["mm", "m"] = "mm"
+    scale: Positive = 1.0
+    median_edge_mm: Positive | None = None
+
+    @model_validator(mode="after")
+    def _one_size(self) -> General:
+        if self.median_edge_mm is not None and self.model_fields_set & {"scale", "units"}:
+            raise ValueError("median_edge_mm replaces scale and units: give one or the other")
+        return self
+
+    def factor(self, median_edge: float) -> float:
+        """Millimetres for one unit of the input whose median edge length is given."""
+        if self.median_edge_mm is not None:
+            return self.median_edge_mm / median_edge
+        return self.scale * (1000.0 if self.units == "m" else 1.0)
+
+
+class Net(Section):
+    """[net]: where the surface comes from.
+
+    Attributes
+    ----------
+    kind : "mesh" (a file) or "canopy" (the built-in example's generator)
+    file : OBJ, OFF or PLY, relative to the project file
+    parameters : of the generator; in the file they stand in [net] beside kind
+    """
+
+    kind: Literal["mesh", "canopy"] = "mesh"
+    file: Path | None = Field(default=None, strict=False)
+    parameters: dict[str, Any] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _source(self) -> Net:
+        if self.kind == "mesh" and self.file is None:
+            raise ValueError('kind = "mesh" needs file = "..."')
+        if self.kind != "mesh" and self.file is not None:
+            raise ValueError(f'file is for kind = "mesh", not for "{self.kind}"')
+        return self
+
+
+class Support(Section):
+    """[support]: the construction of the torsion-free structure, and how far axes may lean."""
+
+    kind: Literal["auto", "offset", "normal", "axis", "optimize", "central"] = "auto"
+    lean_limit_deg: Degrees = LEAN_LIMIT_DEG
+
+
+def _section(value: str | list[list[float | int]]) -> Profile:
+    return profile(value) if isinstance(value, str) else polygon(value)
+
+
+class BeamSettings(Section):
+    """[beam].
+
+    Attributes
+    ----------
+    profile : designation ("FL 60x8", "RHS 120x60x5", "SHS 60x4", "T 60x60x7": depth x width
+        [x thickness]) or corners [[y, z], ...] in mm, y across, z up
+    eccentricity_mm : the profile's datum (top centre) above the mesh edge, in the plane pi(e)
+    end : "flat" (a plane parallel to the node axis) or "cope" (the node's cylinder)
+    clearance_mm : between the cut and the node; 0.5 leaves room for paint and length tolerance
+    bolt : a cross hole near each end for this bolt, or "none"
+    min_length_mm : least length between the cuts
+    density : kg/m3; default steel, EN 1991-1-1
+    """
+
+    profile: str | list[list[float | int]] = "FL 60x8"
+    eccentricity_mm: Finite = 0.0
+    end: Literal["flat", "cope"] = "flat"
+    clearance_mm: NotNegative = 0.5
+    bolt: BoltSize = "none"
+    min_length_mm: Positive = 100.0
+    density: Positive = density("steel")
+
+    @field_validator("profile")
+    @classmethod
+    def _exists(cls, value: str | list[list[float | int]]) -> str | list[list[float | int]]:
+        _section(value)
+        return value
+
+    def section(self) -> Profile:
+        """The cross-section itself."""
+        return _section(self.profile)
+
+
+class NodeSettings(Section):
+    """[node].
+
+    Attributes
+    ----------
+    kind : "cylinder" (solid) or "tube"
+    diameter_mm : "auto" = the least of the series that fits the whole project, or a number
+    series_mm : diameters to choose from; empty: round bars EN 10060, or tubes EN 10210-2
+    min_diameter_mm : "auto" takes no less: room for weld or bolt, and for the mark
+    wall_mm : of a tube
+    arm_clearance_mm : land left between neighbouring arms (seats) at the cylinder
+    margin_mm, top_margin_mm : how far a node reaches below and above its arms' end faces
+    height_step_mm : top and bottom are rounded outwards to multiples of it
+    bolt : a radial hole for each arm, or "none"
+    density : kg/m3; default steel, EN 1991-1-1
+    """
+
+    kind: Literal["cylinder", "tube"] = "cylinder"
+    diameter_mm: Literal["auto"] | Positive = "auto"
+    series_mm: tuple[Positive, ...] = Field(default=(), strict=False)
+    min_diameter_mm: NotNegative = 40.0
+    wall_mm: Positive = 8.0
+    arm_clearance_mm: NotNegative = 1.0
+    margin_mm: NotNegative = 5.0
+    top_margin_mm: NotNegative = 0.5
+    height_step_mm: Positive = 1.0
+    bolt: BoltSize = "none"
+    density: Positive = density("steel")
+
+
+class PanelSettings(Section):
+    """[panel].
+
+    Attributes
+    ----------
+    kind : "glass" or "none" (beams and nodes only)
+    thickness_mm : of the pane; default 12, e.g. two 6 mm plies
+    gap_mm : joint between neighbouring panes, half on each side of pi(e)
+    gap_at : the level where a square-sided pane keeps the gap: "tightest" (nowhere less),
+        "inner" or "outer" surface; mitred panes keep it everywhere
+    offset_mm : inner surface above the mesh face; "auto": the least multiple of 5 mm that clears
+        all beams and nodes by 3 mm, at most 60
+    edge : "square" to the pane, or "mitred" (parallel to pi(e))
+    corner_radius_mm : 0 leaves the corners sharp
+    max_size_mm : smaller and larger side of the least rectangle; default jumbo stock, EN 572-2
+    density : kg/m3; default glass, EN 572-1
+    """
+
+    kind: Literal["glass", "none"] = "glass"
+    thickness_mm: Positive = 12.0
+    gap_mm: NotNegative = 12.0
+    gap_at: Literal["tightest", "inner", "outer"] = "tightest"
+    offset_mm: Literal["auto"] | Finite = "auto"
+    edge: Literal["square", "mitred"] = "square"
+    corner_radius_mm: NotNegative = 0.0
+    max_size_mm: tuple[Positive, Positive] = Field(default=stock_size(), strict=False)
+    density: Positive = density("glass")
+
+
+class Checks(Section):
+    """[checks]: limits; a part beyond one is made and listed, and the exit code is 1.
+
+    Attributes
+    ----------
+    flat_percent : planarity (distance of the diagonals over their mean length) of a flat pane
+    bend_percent : planarity of a candidate for cold bending; beyond it the pane is rejected
+    accept : the worst class that passes: "flat" (the panes are made flat) or "cold-bend"
+    planarity_mm : greatest distance of a corner from the pane's plane, whatever the class
+    min_angle_deg : azimuth difference of neighbouring arms; less is an error
+    torsion_deg : of an edge; default 0.1, the limit for optimised structures
+    family_tolerance_mm : parts whose corners agree within it share a part number
+    verify : which files are read back: one for every part number, one in ten, or none
+    """
+
+    flat_percent: NotNegative = 0.2
+    bend_percent: NotNegative = 1.0
+    accept: Literal["flat", "cold-bend"] = "flat"
+    planarity_mm: Positive | None = None
+    min_angle_deg: Annotated[float, Field(ge=0, le=120)] = 25.0
+    torsion_deg: Degrees = 0.1
+    family_tolerance_mm: NotNegative = 0.1
+    verify: Literal["all", "sample", "none"] = "all"
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Checks:
+        if self.bend_percent < self.flat_percent:
+            raise ValueError("bend_percent must not be less than flat_percent")
+        return self
+
+
+class Output(Section):
+    """[output].
+
+    Attributes
+    ----------
+    formats : files to write; manifest and preview are always written
+    jobs : processes; 0 = as many as there are cores
+    step_schema : "AP214" opens almost everywhere, "AP242" is newer
+    author, organisation : for the STEP headers
+    """
+
+    formats: tuple[Format, ...] = Field(default=("step", "stl", "glb", "csv", "xlsx"), strict=False)
+    jobs: Annotated[int, Field(ge=0, le=256)] = 0
+    step_schema: Literal["AP214", "AP242"] = "AP214"
+    author: str = ""
+    organisation: str = ""
+
+
+class Project(Section):
+    """A whole project, validated. `file` is where it came from, None when made in Python."""
+
+    project: General = General()
+    net: Net
+    support: Support = Support()
+    beam: BeamSettings = BeamSettings()
+    node: NodeSettings = NodeSettings()
+    panel: PanelSettings = PanelSettings()
+    checks: Checks = Checks()
+    output: Output = Output()
+    file: Path | None = Field(default=None, exclude=True)
+
+    @property
+    def name(self) -> str:
+        """The project's name, or the stem of its file or mesh."""
+        source = self.file or self.net.file
+        return self.project.name or (source.stem if source else self.net.kind)
+
+    @property
+    def mesh_path(self) -> Path | None:
+        """The mesh file, found from the project file's folder; None for a generated net."""
+        if self.net.file is None or self.file is None:
+            return self.net.file
+        return self.file.parent / self.net.file
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Every section as plain values, for the manifest."""
+        return self.model_dump(mode="json")
+
+    def __repr__(self) -> str:
+        source = self.net.file if self.net.file else self.net.kind
+        panels = "no panels" if self.panel.kind == "none" else f"panels {self.panel.thickness_mm:g}"
+        return f"Project({self.name}: {source}, {self.beam.section().name}, {panels})"
+
+    __str__ = __repr__
+
+
+def bolt_diameters(size: BoltSize) -> tuple[float, float] | None:
+    """Nominal diameter and clearance hole [mm], or None for "none"."""
+    return None if size == "none" else bolt_hole(size)

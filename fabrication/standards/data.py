@@ -1,0 +1,64 @@
+"""Reads the standards' data files; each is parsed once."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Iterable
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from ddgfab.errors import ProjectError
+
+
+@cache
+def table(name: str) -> dict[str, Any]:
+    """The data file ``fabrication/standards/<name>.toml`` as a dictionary."""
+    return tomllib.loads(files(__package__).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def nearest(word: str, known: Iterable[str], count: int = 3) -> list[str]:
+    """Known words most like `word`, best first; may be empty."""
+    fold = {name.casefold(): name for name in known}
+    return [fold[name] for name in difflib.get_close_matches(word.casefold(), fold, count, 0.5)]
+
+
+def bolt_hole(size: str) -> tuple[float, float]:
+    """Nominal diameter and clearance hole [mm] of a bolt such as "M12" (ISO 273, medium).
+
+    Raises
+    ------
+    ProjectError
+        An unknown size; the known ones are listed.
+    """
+    sizes: dict[str, dict[str, float]] = table("bolts")["sizes"]
+    if size not in sizes:
+        raise ProjectError(f'there is no bolt "{size}"; known: {", ".join(sizes)}')
+    return sizes[size]["diameter"], sizes[size]["hole"]
+
+
+def bolt_end_distance(size: str) -> float:
+    """Usual distance [mm] from a hole's centre to the end of the part."""
+    return float(table("bolts")["end_distance_factor"]) * bolt_hole(size)[1]
+
+
+def bolt_least_distance(size: str) -> float:
+    """Least distance [mm] from a hole's centre to an edge of the part (EN 1993-1-8, table 3.3)."""
+    return float(table("bolts")["least_distance_factor"]) * bolt_hole(size)[1]
+
+
+def node_diameters(kind: str) -> tuple[float, ...]:
+    """Ascending outside diameters [mm] of round bar ("cylinder") or hollow section ("tube")."""
+    return tuple(float(value) for value in sorted(table("nodes")[kind]["diameters"]))
+
+
+def density(material: str) -> float:
+    """Density [kg/m3] of "steel" or "glass"."""
+    return float(table("materials")[material]["density"])
+
+
+def stock_size() -> tuple[float, float]:
+    """Smaller and larger side [mm] of the largest stock sheet of float glass (EN 572-2)."""
+    small, large = table("materials")["glass"]["max_size"]
+    return float(small), float(large)
