@@ -118,9 +118,7 @@ def check_stl_part(path: Path, mesh: TriangleMesh) -> list[Check]:
     open_edges = measure_mesh(back).open_edges
     checks.append(Check("stl watertight", count > 0 and open_edges == 0, float(open_edges), 0.0))
     if count == expected and count:
-        away = float(
-            np.abs(back.vertices[back.triangles] - mesh.vertices[mesh.triangles]).max()
-        )
+        away = float(np.abs(back.vertices[back.triangles] - mesh.vertices[mesh.triangles]).max())
         limit = STL_ROUNDING * float(np.abs(mesh.vertices).max())
         checks.append(Check("stl corners", away <= limit, away, limit))
     return checks
@@ -145,9 +143,7 @@ def _walk(
     instances.append((product, name, motion))
     entry = str(label.Tag())
     if entry not in products:
-        products[entry] = StepProduct(
-            product, inspect_solid(XCAFDoc_ShapeTool.GetShape_s(label))
-        )
+        products[entry] = StepProduct(product, inspect_solid(XCAFDoc_ShapeTool.GetShape_s(label)))
 
 
 def matrix(location: Any) -> Floats:

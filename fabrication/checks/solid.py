@@ -1,4 +1,4 @@
-"""Checks of the exact solid: closed, valid, one solid, the volume that an independent route gives."""
+"""Checks of the exact solid: one, closed, valid, of the volume that another route gives."""
 
 from __future__ import annotations
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import io
 import os
-import re
 import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ import numpy as np
 
 from ddgfab.errors import KernelError
 from ddgfab.io.atomic import atomic_write
+from fabrication.export.steptext import coloured, encoded, mended_density, renumbered
 from fabrication.export.version import originating_system
 from fabrication.export.xcaf import mute, new_document, set_name
 from fabrication.specs import Placement, Properties, Role
@@ -41,13 +41,6 @@ GROUPS: Final[dict[str, str]] = {"beam": "Beams", "node": "Nodes", "panel": "Pan
 _SCHEMA_OPTION: Final[dict[str, str]] = {"AP214": "AP214IS", "AP242": "AP242DIS"}
 # The kernel's settings for writing are global to the process, so one file is written at a time.
 _WRITING: Final = threading.Lock()
-# OCCT gives the unit of density as g^3 cm^2; these find the two exponents to mend (g cm^-3).
-_GRAM: Final = re.compile(rb"(DERIVED_UNIT_ELEMENT\(#(\d+),)3\.(\);\s+#\2 = \( MASS_UNIT)")
-_CENTIMETRE: Final = re.compile(
-    rb"(DERIVED_UNIT_ELEMENT\(#(\d+),)2\.(\);\s+#\2 = \( LENGTH_UNIT\(\) NAMED_UNIT\(\*\)"
-    rb"\s+SI_UNIT\(\.CENTI\.)"
-)
-_OCCURRENCE: Final = re.compile(rb"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')[^']*'")
 
 
 @dataclass(frozen=True)
@@ -176,14 +169,15 @@ def location(placement: Placement) -> Any:
 
 
 def _add_product(document: Any, product: Product) -> Any:
-    """Label of a part number with name, colour, layer, material and validation properties."""
+    """Label of a part number with name, layer, material and validation properties.
+
+    Colours follow in the text (`fabrication.export.steptext`), found by the layers.
+    """
     from OCP.gp import gp_Pnt
-    from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
     from OCP.TCollection import TCollection_ExtendedString, TCollection_HAsciiString
     from OCP.XCAFDoc import (
         XCAFDoc_Area,
         XCAFDoc_Centroid,
-        XCAFDoc_ColorType,
         XCAFDoc_DocumentTool,
         XCAFDoc_Volume,
     )
@@ -191,17 +185,13 @@ def _add_product(document: Any, product: Product) -> Any:
     main = document.Main()
     label = XCAFDoc_DocumentTool.ShapeTool_s(main).AddShape(product.solid, False)
     set_name(label, product.number)
-    colour = Quantity_Color(*COLOURS[product.role], Quantity_TypeOfColor.Quantity_TOC_sRGB)
-    XCAFDoc_DocumentTool.ColorTool_s(main).SetColor(
-        label, colour, XCAFDoc_ColorType.XCAFDoc_ColorGen
-    )
     XCAFDoc_DocumentTool.LayerTool_s(main).SetLayer(
         label, TCollection_ExtendedString(LAYERS[product.role]), True
     )
     if product.material is not None:
         XCAFDoc_DocumentTool.MaterialTool_s(main).SetMaterial(
             label,
-            TCollection_HAsciiString(_encoded(product.material.name)),
+            TCollection_HAsciiString(encoded(product.material.name)),
             TCollection_HAsciiString(""),
             product.material.density / 1000.0,  # OCCT writes grams per cubic centimetre
             TCollection_HAsciiString("density"),
@@ -227,7 +217,6 @@ def _document_bytes(document: Any, file_name: str, header: Header, schema: Schem
         Interface_Static.SetCVal_s("write.step.unit", "MM")
         Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
         for switch in (
-            writer.SetColorMode,
             writer.SetNameMode,
             writer.SetLayerMode,
             writer.SetPropsMode,
@@ -240,8 +229,8 @@ def _document_bytes(document: Any, file_name: str, header: Header, schema: Schem
         stream = io.BytesIO()
         if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
             raise KernelError(f"{file_name}: OCCT cannot write the STEP text")
-    text = _CENTIMETRE.sub(rb"\g<1>-3.\3", _GRAM.sub(rb"\g<1>1.\3", stream.getvalue()))
-    return _renumbered(text)
+    colours = {LAYERS[role]: colour for role, colour in COLOURS.items()}
+    return coloured(mended_density(renumbered(stream.getvalue())), colours)
 
 
 def _fill_header(model: Any, file_name: str, header: Header) -> None:
@@ -250,7 +239,7 @@ def _fill_header(model: Any, file_name: str, header: Header) -> None:
     from OCP.TCollection import TCollection_HAsciiString
 
     def text(value: str) -> Any:
-        return TCollection_HAsciiString(_encoded(value))
+        return TCollection_HAsciiString(encoded(value))
 
     section = APIHeaderSection_MakeHeader(model)
     section.SetName(text(file_name))
@@ -260,23 +249,3 @@ def _fill_header(model: Any, file_name: str, header: Header) -> None:
     section.SetOriginatingSystem(text(originating_system()))
     section.SetDescriptionValue(1, text(header.description or file_name))
     section.Apply(model)
-
-
-def _encoded(text: str) -> str:
-    r"""Text in the 7-bit alphabet of ISO 10303-21: the rest as \X2\....\X0\."""
-    return "".join(
-        c if " " <= c <= "~" else f"\\X2\\{c.encode('utf-16-be').hex().upper()}\\X0\\"
-        for c in text
-    )
-
-
-def _renumbered(text: bytes) -> bytes:
-    """Component ids from 1 in file order: OCCT takes them from a counter of the whole process."""
-    count = 0
-
-    def number(match: re.Match[bytes]) -> bytes:
-        nonlocal count
-        count += 1
-        return b"%s%d'" % (match.group(1), count)
-
-    return _OCCURRENCE.sub(number, text)

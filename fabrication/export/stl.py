@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ddgfab.errors import InputError
-from ddgfab.mesh import Floats
 from ddgfab.io.atomic import atomic_write
+from ddgfab.mesh import Floats
 from fabrication.specs import TriangleMesh
 
 _RECORD: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -31,7 +31,7 @@ def stl_bytes(mesh: TriangleMesh, name: str = "") -> bytes:
     records["normal"] = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
     # A header that begins with "solid" would be taken for a text STL.
     header = f"ddgfab {name}".encode("ascii", "replace")[:_HEADER].ljust(_HEADER, b" ")
-    return header + np.uint32(len(records)).astype("<u4").tobytes() + records.tobytes()
+    return header + len(records).to_bytes(4, "little") + records.tobytes()
 
 
 def write_stl(path: Path, mesh: TriangleMesh, name: str = "") -> None:

@@ -14,9 +14,8 @@ import pytest
 
 from ddgfab.errors import KernelError, OutputError
 from fabrication.checks.file import check_step_part, read_step
-from fabrication.export.step import COLOURS, LAYERS, Header, Material, Product
+from fabrication.export.step import COLOURS, LAYERS, Header, Material, Product, write_part
 from fabrication.export.step import write_assembly as write
-from fabrication.export.step import write_part
 from fabrication.export.xcaf import (
     components,
     free_labels,

@@ -1,0 +1,184 @@
+"""GLB (glTF 2.0 binary): metres, y up, one mesh a part number, one named node an instance."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ddgfab.io.atomic import atomic_write
+from ddgfab.mesh import Floats
+from fabrication.export.step import COLOURS, GROUPS
+from fabrication.export.version import originating_system
+from fabrication.specs import Placement, Role, TriangleMesh
+
+GLASS_ALPHA: Final = 0.35
+"""Opacity of panels."""
+
+_METRE: Final = 0.001
+_Y_UP: Final = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # ours (z up) to glTF's (y up)
+_FLOAT, _UINT32 = 5126, 5125
+_ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
+
+
+def glb_bytes(
+    meshes: Mapping[str, tuple[Role, TriangleMesh]],
+    instances: Sequence[tuple[str, str, Placement]],
+    *,
+    name: str = "",
+) -> bytes:
+    """The model as GLB. Without normals: viewers then shade flat, as glTF 2.0 (3.7.2.1) says.
+
+    Parameters
+    ----------
+    meshes : by part number, role and mesh in the part's frame [mm]
+    instances : (part number, piece mark, (4, 4) placement [mm]) of every piece
+    """
+    numbers = list(meshes)
+    index = {number: i for i, number in enumerate(numbers)}
+    roles = [role for role in GROUPS if any(meshes[n][0] == role for n in numbers)]
+    positions = [_converted(meshes[n][1].vertices).astype("<f4") for n in numbers]
+    triangles = [meshes[n][1].triangles.astype("<u4") for n in numbers]
+    lengths = [sum(p.nbytes for p in positions), sum(t.nbytes for t in triangles)]
+    placed = {meshes[number][0] for number, _, _ in instances}
+    groups: dict[str, list[int]] = {role: [] for role in roles if role in placed}
+    nodes: list[dict[str, Any]] = []
+    for number, mark, placement in instances:
+        groups[meshes[number][0]].append(1 + len(groups) + len(nodes))
+        nodes.append({"name": mark, "mesh": index[number], "matrix": _matrix(placement)})
+    document: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": originating_system()},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [
+            {"name": name or "model", "children": list(range(1, 1 + len(groups)))},
+            *({"name": GROUPS[role], "children": children} for role, children in groups.items()),
+            *nodes,
+        ],
+        "materials": [_material(role) for role in roles],
+        "meshes": [
+            {
+                "name": number,
+                "primitives": [
+                    {
+                        "attributes": {"POSITION": 2 * i},
+                        "indices": 2 * i + 1,
+                        "material": roles.index(meshes[number][0]),
+                    }
+                ],
+            }
+            for i, number in enumerate(numbers)
+        ],
+        "accessors": _accessors(positions, triangles),
+        "bufferViews": [
+            {
+                "buffer": 0,
+                "byteLength": lengths[0],
+                "byteStride": 12,
+                "target": _ARRAY_BUFFER,
+            },
+            {
+                "buffer": 0,
+                "byteOffset": lengths[0],
+                "byteLength": lengths[1],
+                "target": _ELEMENT_ARRAY_BUFFER,
+            },
+        ],
+        "buffers": [{"byteLength": sum(lengths)}],
+    }
+    text = json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
+    text += b" " * (-len(text) % 4)
+    data = b"".join(a.tobytes() for a in [*positions, *triangles])
+    total = 12 + 8 + len(text) + 8 + len(data)
+    return b"".join(
+        [
+            struct.pack("<4sII", b"glTF", 2, total),
+            struct.pack("<I4s", len(text), b"JSON"),
+            text,
+            struct.pack("<I4s", len(data), b"BIN\0"),
+            data,
+        ]
+    )
+
+
+def write_glb(
+    path: Path,
+    meshes: Mapping[str, tuple[Role, TriangleMesh]],
+    instances: Sequence[tuple[str, str, Placement]],
+    *,
+    name: str = "",
+) -> None:
+    """Write the model as GLB (atomically); see `glb_bytes`.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    with atomic_write(path) as file:
+        file.write(glb_bytes(meshes, instances, name=name))
+
+
+def _converted(points: Floats) -> Floats:
+    """(n, 3) points [mm, z up] in metres, y up."""
+    converted: Floats = points @ _Y_UP.T * _METRE
+    return converted
+
+
+def _matrix(placement: Placement) -> list[float]:
+    """A placement in glTF's frame, column after column."""
+    result = np.eye(4)
+    result[:3, :3] = _Y_UP @ placement[:3, :3] @ _Y_UP.T
+    result[:3, 3] = _Y_UP @ placement[:3, 3] * _METRE
+    return [float(x) + 0.0 for x in result.T.ravel()]
+
+
+def _accessors(positions: list[Any], triangles: list[Any]) -> list[dict[str, Any]]:
+    """Per mesh the accessor of its positions (with the bounds that glTF asks for) and indices."""
+    accessors: list[dict[str, Any]] = []
+    at = [0, 0]
+    for points, corners in zip(positions, triangles, strict=True):
+        accessors += [
+            {
+                "bufferView": 0,
+                "byteOffset": at[0],
+                "componentType": _FLOAT,
+                "count": len(points),
+                "type": "VEC3",
+                "min": points.min(axis=0).astype(float).tolist(),
+                "max": points.max(axis=0).astype(float).tolist(),
+            },
+            {
+                "bufferView": 1,
+                "byteOffset": at[1],
+                "componentType": _UINT32,
+                "count": int(corners.size),
+                "type": "SCALAR",
+            },
+        ]
+        at[0] += points.nbytes
+        at[1] += corners.nbytes
+    return accessors
+
+
+def _material(role: str) -> dict[str, Any]:
+    """The role's material; glTF wants linear colours, ours are sRGB (IEC 61966-2-1)."""
+    srgb = np.array(COLOURS[role])
+    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    glass = role == "panel"
+    colour = [*(round(float(x), 6) for x in linear), GLASS_ALPHA if glass else 1.0]
+    material: dict[str, Any] = {
+        "name": role,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": colour,
+            "metallicFactor": 0.1 if glass else 0.6,
+            "roughnessFactor": 0.1 if glass else 0.5,
+        },
+    }
+    if glass:
+        material |= {"alphaMode": "BLEND", "doubleSided": True}
+    return material
