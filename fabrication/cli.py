@@ -1,0 +1,243 @@
+"""The command line: the last room, and the only one that prints."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from fabrication.design import Progress
+    from fabrication.pipeline import JobResult
+
+app = typer.Typer(
+    help="Discrete surfaces into things that can be built: torsion-free gridshells as checked "
+    "STEP, STL and schedules.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
+
+
+def main() -> None:
+    """Entry point of the console script `ddgfab`."""
+    app()
+
+
+@app.callback()
+def _version(
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    if version:
+        from fabrication.export.version import package_version
+
+        typer.echo(f"ddgfab {package_version()}")
+        raise typer.Exit
+
+
+@app.command("make")
+def make_command(
+    source: Annotated[
+        Path | None,
+        typer.Argument(help="Project (TOML) or mesh (OBJ, OFF, PLY); none: the built-in example."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder; default outputs/<project>.")
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(min=0, help="Processes; 0: one a core.")] = None,
+    formats: Annotated[
+        str | None, typer.Option(help="Files to write, for instance step,stl,glb,csv,xlsx.")
+    ] = None,
+    verify: Annotated[
+        str | None, typer.Option(help="Part numbers to read back: all, sample or none.")
+    ] = None,
+    change: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Change a setting: project.units=m, panel.kind=none, ..."),
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """From a mesh or project to checked CAD files and schedules."""
+    with _errors(debug), _progress() as tell:
+        from fabrication.design import design_net, find_project, load_net
+        from fabrication.pipeline import make, worker_pool
+
+        begin = time.perf_counter()
+        sections = _sections(change or [])
+        given = {
+            "jobs": jobs,
+            "formats": None if formats is None else _words(formats),
+        }
+        output_section = {key: value for key, value in given.items() if value is not None}
+        if output_section:
+            sections["output"] = {**sections.get("output", {}), **output_section}
+        if verify is not None:
+            sections["checks"] = {**sections.get("checks", {}), "verify": verify}
+        project = find_project(source, sections)
+        net = load_net(project)
+        with worker_pool(project.output.jobs) as pool:  # loads the kernel while this one designs
+            plan = design_net(project, net, tell)
+            result = make(plan, output, pool=pool, progress=tell)
+        seconds = time.perf_counter() - begin
+    _report(repr(plan), result, seconds)
+    raise typer.Exit(result.exit_code)
+
+
+@app.command("inspect")
+def inspect_command(
+    mesh: Annotated[Path, typer.Argument(help="OBJ, OFF or PLY.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Machine-readable.")] = False,
+    scale: Annotated[float, typer.Option(help="Factor on the coordinates, to mm.")] = 1.0,
+    debug: Debug = False,
+) -> None:
+    """What kind of net a mesh is, and how far from planar, circular, conical, torsion-free."""
+    with _errors(debug):
+        from ddgfab.io import read_mesh
+        from ddgfab.measures import inspect
+
+        read = read_mesh(mesh, scale)
+        report = inspect(read.mesh)
+    if as_json:
+        record = {"file": read.file, "sha256": read.sha256, "notes": list(read.notes)}
+        typer.echo(json.dumps({**record, **report.to_dict()}, indent=1))
+        return
+    for note in read.notes:
+        typer.echo(f"note: {note}")
+    typer.echo(report.text())
+
+
+@app.command("check")
+def check_command(
+    files: Annotated[list[Path], typer.Argument(help="STEP or STL files.")],
+    debug: Debug = False,
+) -> None:
+    """Is each file closed and valid, and what is its volume?"""
+    failed = False
+    with _errors(debug):
+        from fabrication.checks.file import inspect_file
+
+        for file in files:
+            report = inspect_file(file)
+            typer.echo(report.text())
+            failed |= not report.passed
+    raise typer.Exit(FAILED if failed else DONE)
+
+
+def _words(text: str) -> list[str]:
+    return [word.strip().lower() for word in text.split(",") if word.strip()]
+
+
+def _sections(changes: list[str]) -> dict[str, dict[str, Any]]:
+    """`section.key=value` as sections; the value is TOML, or a plain word."""
+    import tomllib
+
+    from ddgfab.errors import ProjectError
+
+    sections: dict[str, dict[str, Any]] = {}
+    for change in changes:
+        name, equals, value = change.partition("=")
+        section, dot, key = name.strip().partition(".")
+        if not (equals and dot and key):
+            raise ProjectError(f"--set {change}: expected section.key=value")
+        try:
+            parsed = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            parsed = value.strip()
+        sections.setdefault(section, {})[key] = parsed
+    return sections
+
+
+@contextmanager
+def _errors(debug: bool) -> Iterator[None]:
+    """One clear message and the right exit code; a traceback only with --debug."""
+    from ddgfab.errors import DdgError
+
+    def stop(signum: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    except DdgError as error:
+        if debug:
+            raise
+        typer.echo(f"error: {error}", err=True)
+        raise typer.Exit(BAD_INPUT) from None
+    except KeyboardInterrupt:
+        typer.echo("interrupted: nothing was written", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+    except (OSError, MemoryError, ArithmeticError, RuntimeError, LookupError) as error:
+        if debug:
+            raise
+        kind = type(error).__name__
+        typer.echo(
+            f"error: unexpected {kind}: {error}\nNothing was written. "
+            "This is a fault of ddgfab: run again with --debug and report it.",
+            err=True,
+        )
+        raise typer.Exit(BAD_INPUT) from None
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@contextmanager
+def _progress() -> Iterator[Progress]:
+    """A bar a step on a terminal; a line a step elsewhere."""
+    if not sys.stderr.isatty():
+        said: set[str] = set()
+
+        def line(step: str, done: int, of: int) -> None:
+            if step not in said:
+                said.add(step)
+                typer.echo(f"{step} ...", err=True)
+
+        yield line
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("{task.description:24}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as bars:
+        tasks: dict[str, Any] = {}
+
+        def bar(step: str, done: int, of: int) -> None:
+            if step not in tasks:
+                for task in tasks.values():
+                    bars.stop_task(task)
+                tasks[step] = bars.add_task(step, total=of or None)
+            bars.update(tasks[step], completed=done, total=of or None)
+
+        yield bar
+
+
+def _report(what: str, result: JobResult, seconds: float) -> None:
+    """The closing words of a job."""
+    manifest = result.manifest
+    numbers = len({part["number"] for part in manifest["parts"]})
+    checks = manifest["checks"]
+    typer.echo(what)
+    typer.echo(
+        f"{len(manifest['parts'])} parts of {numbers} part numbers; "
+        f"{checks['passed']} checks passed, {checks['failed']} failed; {seconds:.1f} s"
+    )
+    for note in manifest["notes"]:
+        typer.echo(f"note: {note}")
+    for problem in result.problems:
+        typer.echo(f"FAILED {problem}", err=True)
+    typer.echo(f"{len(manifest['files'])} files in {result.folder}")

@@ -1,0 +1,215 @@
+"""Design: everything about a gridshell that needs no CAD, from a mesh to its schedules."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+import numpy as np
+
+from ddgfab.errors import InputError
+from ddgfab.io import read_mesh
+from ddgfab.measures import Report, inspect
+from ddgfab.mesh import Floats, Mesh
+from ddgfab.support import SupportStructure, support_structure
+from fabrication.detailing import Gridshell, detail
+from fabrication.families import families
+from fabrication.project import Project, load_project, make_project, project_for_mesh
+from fabrication.schedules import Table, beam_rows, node_rows, panel_rows
+from fabrication.specs import Family
+
+if TYPE_CHECKING:
+    from fabrication.pipeline import JobResult
+
+Progress: TypeAlias = Callable[[str, int, int], None]
+"""Called with the step's name, how much of it is done, and how much there is (0: unknown)."""
+
+Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] | None"
+"""A project file, a mesh file, a mesh, (vertices, faces), or None for the built-in example."""
+
+
+SHORTEST_MEDIAN_MM: Final = 20.0
+"""A median edge below this [mm] means that the mesh is in another unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class NetInput:
+    """A net [mm] and where it came from: file and sha256 (None when generated), reader's notes."""
+
+    mesh: Mesh
+    file: str | None
+    sha256: str | None
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Design:
+    """A gridshell as numbers: net, measures, support structure, specs, families, schedules.
+
+    Made by `design`. Loads no CAD kernel until solids are asked for.
+    """
+
+    project: Project
+    source: NetInput
+    measures: Report
+    support: SupportStructure
+    gridshell: Gridshell
+    families: tuple[Family, ...]
+    seconds: Mapping[str, float]
+
+    @property
+    def mesh(self) -> Mesh:
+        """The net, in millimetres."""
+        return self.source.mesh
+
+    def __repr__(self) -> str:
+        grid = self.gridshell
+        return (
+            f"Design({self.project.name}: {len(grid.beams)} beams, {len(grid.nodes)} nodes, "
+            f"{len(grid.panels)} panels of {len(self.families)} part numbers, "
+            f"torsion max {self.support.torsion_deg_max:.1e} deg, "
+            f"lean max {self.support.lean_deg_max:.1f} deg)"
+        )
+
+    @cached_property
+    def beams(self) -> Table:
+        """Schedule of the beams: one plain dictionary a row, as in beams.csv."""
+        return beam_rows(self.gridshell, self.families)
+
+    @cached_property
+    def nodes(self) -> Table:
+        """Schedule of the nodes, as in nodes.csv."""
+        return node_rows(self.gridshell, self.families)
+
+    @cached_property
+    def panels(self) -> Table:
+        """Schedule of the panels, as in panels.csv."""
+        return panel_rows(self.gridshell, self.families)
+
+    @property
+    def schedules(self) -> dict[str, Table]:
+        """The schedules by file name."""
+        return {"panels": self.panels, "beams": self.beams, "nodes": self.nodes}
+
+    def to_build123d(self) -> Any:
+        """A labelled `build123d.Compound`: children Beams, Nodes, Panels with a solid a piece."""
+        from fabrication.export.hand_over import to_build123d
+
+        return to_build123d(self.project.name, self.families)
+
+    def to_cadquery(self) -> Any:
+        """A `cadquery.Assembly` with a named, coloured, placed solid for each piece."""
+        from fabrication.export.hand_over import to_cadquery
+
+        return to_cadquery(self.project.name, self.families)
+
+    def make(self, folder: str | Path | None = None, *, jobs: int = 1) -> JobResult:
+        """Solids, checks and files, as `ddgfab make` writes them.
+
+        Parameters
+        ----------
+        folder : the output folder; default outputs/<project>
+        jobs : processes; more than one needs the caller's ``if __name__ == "__main__"`` guard
+        """
+        from fabrication.pipeline import make
+
+        return make(self, folder, jobs=jobs)
+
+    def _repr_png_(self) -> bytes:
+        from fabrication.export.preview import preview_png
+
+        return preview_png(self.families)
+
+
+def design(
+    source: Source = None, *, progress: Progress | None = None, **sections: Mapping[str, Any]
+) -> Design:
+    """From a project, a mesh or arrays to specs and schedules; loads no CAD kernel.
+
+    Parameters
+    ----------
+    source : project file (TOML), mesh file (OBJ, OFF, PLY), `Mesh`, (vertices, faces), or None for
+        the built-in example
+    progress : called as (step, done, of)
+    sections : settings by section that differ from the project's or the defaults, for instance
+        ``beam={"profile": "RHS 100x60x4"}``
+
+    Raises
+    ------
+    DdgError
+        Whatever is wrong with the project, the mesh, the structure or a part, in words.
+    """
+    if isinstance(source, tuple):
+        source = Mesh.build(*source)
+    mesh = source if isinstance(source, Mesh) else None
+    project = find_project(None if isinstance(source, Mesh) else source, sections)
+    return design_net(project, load_net(project, mesh), progress)
+
+
+def find_project(source: str | Path | None, sections: Mapping[str, Mapping[str, Any]]) -> Project:
+    """The project of a TOML or mesh file, or the built-in one, with `sections` changed."""
+    if source is None:
+        return make_project(sections)
+    if Path(source).suffix.lower() == ".toml":
+        return load_project(source, sections)
+    return project_for_mesh(source, sections)
+
+
+def design_net(project: Project, net: NetInput, progress: Progress | None = None) -> Design:
+    """The design of a validated project on a net that `load_net` read."""
+    tell = progress or (lambda step, done, of: None)
+    seconds: dict[str, float] = {}
+    begin = time.perf_counter()
+
+    def start(step: str) -> None:
+        nonlocal begin
+        tell(step, 0, 0)
+        begin = time.perf_counter()
+
+    def stop(step: str) -> None:
+        seconds[step] = time.perf_counter() - begin
+
+    start("measure")
+    measures = inspect(net.mesh)
+    stop("measure")
+    start("support structure")
+    support = support_structure(net.mesh, project.support.kind)
+    stop("support structure")
+    start("detail")
+    gridshell = detail(net.mesh, support, project)
+    grouped = families(gridshell.pieces, project.checks.family_tolerance_mm)
+    stop("detail")
+    return Design(project, net, measures, support, gridshell, grouped, seconds)
+
+
+def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
+    """The project's net in millimetres; `mesh` is used instead of the project's own.
+
+    Raises
+    ------
+    InputError
+        The mesh cannot be read, or its edges are so short that its unit must be another.
+    """
+    if mesh is None and project.mesh_path is None:
+        from ddgfab.nets import canopy
+
+        return NetInput(canopy(**project.net.parameters), None, None, ())
+    file, sha256, notes = None, None, ()
+    if mesh is None:
+        read = read_mesh(project.mesh_path)
+        mesh, file, sha256, notes = read.mesh, read.file, read.sha256, read.notes
+    median = float(np.median(mesh.edge_lengths))
+    factor = project.project.factor(median)
+    if median * factor < SHORTEST_MEDIAN_MM:
+        raise InputError(
+            f"the median edge is {median * factor:.3g} mm long; no gridshell has edges under "
+            f"{SHORTEST_MEDIAN_MM:g} mm\n"
+            'Set [project] units = "m", scale = ..., or median_edge_mm = 1500 '
+            "(on the command line: --set project.units=m).",
+            file=file,
+        )
+    return NetInput(mesh.scaled(factor), file, sha256, notes)

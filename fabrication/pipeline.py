@@ -1,0 +1,438 @@
+"""The job: a design becomes solids, checks and files in one complete output folder."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+import numpy as np
+
+from ddgfab.errors import OutputError
+from fabrication.checks.assembly import check_assembly
+from fabrication.design import Design, Progress
+from fabrication.export.folder import OutputFolder, safe_name
+from fabrication.export.glb import write_glb
+from fabrication.export.manifest import (
+    MANIFEST,
+    build_manifest,
+    file_records,
+    part_record,
+    write_manifest,
+)
+from fabrication.export.preview import write_preview
+from fabrication.export.step import Header, Material
+from fabrication.export.tables import write_xlsx
+from fabrication.parts import (
+    PartJob,
+    PartResult,
+    PartSettings,
+    assemble,
+    make_parts,
+    verify_assembly,
+    verify_parts,
+)
+from fabrication.problems import problems_of
+from fabrication.specs import Check
+
+REJECTED: Final = "rejected"
+"""Folder, inside the output folder, of the parts that failed a check or a limit."""
+
+CHORD_MM: Final = 0.05
+"""Greatest distance [mm] of the meshes (STL, GLB, clearances) from the exact surfaces."""
+
+BATCH: Final = 24
+"""Part numbers that a process takes at a time."""
+
+SAMPLE: Final = 10
+"""`verify = "sample"` reads back one part number in so many."""
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JobResult:
+    """A finished job.
+
+    Attributes
+    ----------
+    folder : where everything is
+    manifest : what manifest.json says
+    problems : what failed a check or a limit, a line each
+    warnings : what could not be done but is no fault of the structure
+    """
+
+    folder: Path
+    manifest: dict[str, Any]
+    problems: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """0 when every check passed, else 1."""
+        return 1 if self.problems else 0
+
+    def __repr__(self) -> str:
+        parts = len(self.manifest["parts"])
+        state = f"{len(self.problems)} problems" if self.problems else "every check passed"
+        return f"JobResult({parts} parts in {self.folder}, {state})"
+
+
+def make(
+    design: Design,
+    folder: str | Path | None = None,
+    *,
+    jobs: int = 1,
+    pool: Executor | None = None,
+    progress: Progress | None = None,
+) -> JobResult:
+    """Solids, checks and files of a design; the folder appears complete or not at all.
+
+    Parameters
+    ----------
+    folder : default outputs/<project name>
+    jobs : processes; 1 works in this one. More need a ``if __name__ == "__main__"`` guard in the
+        caller, as always with multiprocessing
+    pool : an executor to use instead, as `worker_pool` makes it
+    progress : called as (step, done, of)
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written or is not ours to replace; nothing is changed then.
+    DdgError
+        A part cannot be made.
+    """
+    name = safe_name(design.project.name)
+    target = Path(folder) if folder is not None else Path("outputs") / name
+    tell = progress or (lambda step, done, of: None)
+    with OutputFolder(target) as staging:
+        if pool is not None:
+            return _Job(design, staging, target, pool, tell).run()
+        with worker_pool(jobs) as workers:
+            return _Job(design, staging, target, workers, tell).run()
+
+
+@contextmanager
+def worker_pool(jobs: int) -> Iterator[Executor]:
+    """Processes that have the kernel loaded; `jobs` = 0: one a core, 1: this process."""
+    count = jobs or os.cpu_count() or 1
+    if count == 1:
+        yield _Here()
+        return
+    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_warm_up)
+    try:
+        for _ in range(count):  # start now: loading the kernel takes as long as the design
+            pool.submit(_ready)
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=True, cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+def _warm_up() -> None:
+    """Of a worker: leave Ctrl-C to the parent, keep the kernel quiet."""
+    import signal
+
+    from fabrication.export.xcaf import mute
+    from fabrication.solids.kernel import load_kernel
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    load_kernel()
+    mute()
+
+
+def _ready() -> None:
+    """Nothing: a task that makes a worker start."""
+
+
+class _Here(Executor):
+    """An executor that works at once in this process."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+class _Job:
+    """One run: the state that its steps share."""
+
+    def __init__(
+        self, design: Design, staging: Path, target: Path, pool: Executor, tell: Progress
+    ) -> None:
+        self.design, self.staging, self.target = design, staging, target
+        self.pool, self.tell = pool, tell
+        self.formats = frozenset(design.project.output.formats)
+        self.seconds: dict[str, float] = dict(design.seconds)
+        self.warnings: list[str] = []
+        self.settings = _part_settings(design, staging, self.formats)
+
+    def run(self) -> JobResult:
+        """All steps; the manifest comes last."""
+        with self._timed("parts"):
+            parts = self._make()
+        reading = self._verify(parts)
+        with self._timed("clearances"):
+            self.tell("clearances", 0, 0)
+            pieces = check_assembly(
+                self.design.families,
+                {part.number: part.mesh for part in parts},
+                clearances(self.design.project),
+            )
+        with self._timed("schedules"):
+            self._write_schedules()
+        with self._timed("read back (waiting)"):
+            parts = self._collect(parts, reading)
+        checks = self._checks_by_mark(parts, pieces)
+        failed = {mark for mark, list_ in checks.items() if not all(c.passed for c in list_)}
+        self._reject(parts, failed)
+        assembly = self._assemble(parts, failed)
+        with self._timed("model and preview"):
+            self._write_models(parts, failed)
+        extra = self._finish_assembly(assembly, parts, failed)
+        return self._finish(parts, checks, extra)
+
+    # --- parts -------------------------------------------------------------------------------
+    def _make(self) -> list[PartResult]:
+        jobs = [PartJob(f.number, f.role, f.shape) for f in self.design.families]
+        for kind in ("step", "stl"):
+            if kind in self.formats:
+                (self.staging / "parts" / kind).mkdir(parents=True)
+        return list(self._pooled("parts", make_parts, jobs, self.settings))
+
+    def _verify(self, parts: Sequence[PartResult]) -> list[Future[Any]]:
+        """Start reading files back; the futures give (number, checks)."""
+        every = {"all": 1, "sample": SAMPLE, "none": 0}[self.design.project.checks.verify]
+        if not every:
+            return []
+        tasks = [(p.number, p.properties.volume, p.mesh, p.files) for p in parts[::every]]
+        return [
+            self.pool.submit(verify_parts, tasks[i : i + BATCH])
+            for i in range(0, len(tasks), BATCH)
+        ]
+
+    def _collect(
+        self, parts: Sequence[PartResult], reading: Sequence[Future[Any]]
+    ) -> list[PartResult]:
+        """The parts with the checks of their files added."""
+        found: dict[str, list[Check]] = {}
+        for done, future in enumerate(as_completed(reading), 1):
+            checked, seconds = future.result()
+            found.update(checked)
+            self._add("read back", seconds)
+            self.tell("read back", done, len(reading))
+        return [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
+
+    def _pooled(
+        self,
+        step: str,
+        work: Callable[[Sequence[Item], PartSettings], list[PartResult]],
+        items: Sequence[Item],
+        settings: PartSettings,
+    ) -> Iterator[PartResult]:
+        """Work on batches in the pool; results in the order of the items."""
+        futures = [
+            self.pool.submit(work, items[i : i + BATCH], settings)
+            for i in range(0, len(items), BATCH)
+        ]
+        for done, future in enumerate(futures, 1):
+            for result in future.result():
+                for name, seconds in result.seconds.items():
+                    self._add(f"part {name}", seconds)
+                yield result
+            self.tell(step, min(done * BATCH, len(items)), len(items))
+
+    def _checks_by_mark(
+        self, parts: Sequence[PartResult], pieces: dict[str, list[Check]]
+    ) -> dict[str, list[Check]]:
+        """Every piece's checks: its limits, its part number's, its clearances."""
+        of_number = {part.number: part.checks for part in parts}
+        checks = {piece.mark: list(piece.checks) for piece in self.design.gridshell.pieces}
+        for family in self.design.families:
+            for instance in family.instances:
+                own = checks[instance.mark]
+                own += of_number[family.number]
+                own += pieces.get(instance.mark, ())
+        return checks
+
+    def _reject(self, parts: Sequence[PartResult], failed: set[str]) -> None:
+        """Files of numbers with a failing piece go to rejected/, alone where no piece is good."""
+        files = {part.number: part.files for part in parts}
+        for family in self.design.families:
+            bad = [i.mark in failed for i in family.instances]
+            if not any(bad):
+                continue
+            for path in files[family.number].values():
+                target = self.staging / REJECTED / path.relative_to(self.staging / "parts")
+                target.parent.mkdir(parents=True, exist_ok=True)
+                if all(bad):
+                    path.rename(target)
+                else:
+                    shutil.copy2(path, target)
+
+    # --- the whole ---------------------------------------------------------------------------
+    def _assemble(self, parts: Sequence[PartResult], failed: set[str]) -> Future[float] | None:
+        """Start writing assembly.step of the pieces that passed."""
+        instances = [
+            (family.number, instance.mark, instance.placement)
+            for family in self.design.families
+            for instance in family.instances
+            if instance.mark not in failed
+        ]
+        if "step" not in self.formats or not instances:
+            return None
+        used = {number for number, _, _ in instances}
+        self.tell("assembly.step", 0, 0)
+        return self.pool.submit(
+            assemble,
+            self.staging / "assembly.step",
+            self.design.project.name,
+            [part for part in parts if part.number in used],
+            instances,
+            self.settings,
+        )
+
+    def _finish_assembly(
+        self, writing: Future[float] | None, parts: Sequence[PartResult], failed: set[str]
+    ) -> list[Check]:
+        """Wait for assembly.step, read it back, and return the checks of the whole."""
+        if writing is None:
+            return []
+        self.seconds["assembly.step"] = writing.result()
+        if self.design.project.checks.verify == "none":
+            return []
+        self.tell("read back assembly.step", 0, 0)
+        volume = {part.number: part.properties.volume for part in parts}
+        expected = {
+            instance.mark: (family.number, volume[family.number], instance.placement)
+            for family in self.design.families
+            for instance in family.instances
+            if instance.mark not in failed
+        }
+        checks, seconds = self.pool.submit(
+            verify_assembly, self.staging / "assembly.step", expected
+        ).result()
+        self.seconds["read back assembly.step"] = seconds
+        return list(checks)
+
+    def _write_schedules(self) -> None:
+        tables = self.design.schedules
+        folder = self.staging / "schedules"
+        if "csv" in self.formats:
+            folder.mkdir()
+            for name, table in tables.items():
+                table.to_csv(folder / f"{name}.csv")
+        if "xlsx" in self.formats:
+            folder.mkdir(exist_ok=True)
+            write_xlsx(folder / "schedule.xlsx", {n: list(t) for n, t in tables.items()})
+
+    def _write_models(self, parts: Sequence[PartResult], failed: set[str]) -> None:
+        self.tell("model and preview", 0, 0)
+        meshes = {part.number: part.mesh for part in parts}
+        if "glb" in self.formats:
+            write_glb(self.staging / "model.glb", self.design.families, meshes, failed)
+        try:
+            write_preview(self.staging / "preview.png", self.design.families, meshes, failed)
+        except OutputError as error:  # no graphics on this machine is no fault of the structure
+            self.warnings.append(f"no preview.png: {error}")
+
+    # --- the end -----------------------------------------------------------------------------
+    def _finish(
+        self,
+        parts: Sequence[PartResult],
+        checks: dict[str, list[Check]],
+        extra: Sequence[Check],
+    ) -> JobResult:
+        """Write the manifest and gather the problems."""
+        self.tell("manifest", 0, 0)
+        design = self.design
+        roles = {piece.mark: piece.role for piece in design.gridshell.pieces}
+        problems = problems_of(
+            roles, ((mark, check) for mark, list_ in checks.items() for check in list_)
+        )
+        manifest = build_manifest(
+            project=design.project.name,
+            input={
+                "file": design.source.file,
+                "sha256": design.source.sha256,
+                "vertices": design.mesh.n_vertices,
+                "faces": design.mesh.n_faces,
+            },
+            settings=design.project.settings,
+            net=design.measures.to_dict(),
+            support=design.support.to_dict(),
+            parts=self._part_records(parts, checks),
+            files=file_records(self.staging),
+            timings_s=self.seconds,
+            extra_checks=extra,
+        )
+        manifest["problems"] = [problem.to_dict() for problem in problems]
+        manifest["notes"] = [*design.source.notes, *design.gridshell.problems, *self.warnings]
+        write_manifest(self.staging / MANIFEST, manifest)
+        lines = [str(problem) for problem in problems]
+        lines += [f"assembly.step: {c.name} {c.value}" for c in extra if not c.passed]
+        return JobResult(self.target, manifest, tuple(lines), tuple(self.warnings))
+
+    def _part_records(
+        self, parts: Sequence[PartResult], checks: dict[str, list[Check]]
+    ) -> list[dict[str, Any]]:
+        """The manifest's parts, by mark."""
+        results = {part.number: part for part in parts}
+        records = []
+        for family in self.design.families:
+            part = results[family.number]
+            density = self.settings.materials[family.role].density
+            for instance in family.instances:
+                placed = part.mesh.vertices @ instance.placement[:3, :3].T + instance.placement[:3, 3]
+                records.append(
+                    part_record(
+                        mark=instance.mark,
+                        number=family.number,
+                        role=family.role,
+                        placement=instance.placement,
+                        volume_mm3=part.properties.volume,
+                        mass_kg=part.properties.volume * density * 1e-9,
+                        bbox_mm=np.stack([placed.min(axis=0), placed.max(axis=0)]),
+                        checks=checks[instance.mark],
+                    )
+                )
+        return sorted(records, key=lambda record: str(record["mark"]))
+
+    @contextmanager
+    def _timed(self, step: str) -> Iterator[None]:
+        begin = time.perf_counter()
+        yield
+        self._add(step, time.perf_counter() - begin)
+
+    def _add(self, step: str, seconds: float) -> None:
+        self.seconds[step] = self.seconds.get(step, 0.0) + seconds
+
+
+def _part_settings(design: Design, folder: Path, formats: frozenset[str]) -> PartSettings:
+    project = design.project
+    return PartSettings(
+        folder=folder,
+        step="step" in formats,
+        stl="stl" in formats,
+        chord=CHORD_MM,
+        schema=project.output.step_schema,
+        header=Header(project.output.author, project.output.organisation, project.name),
+        materials={
+            "beam": Material("Steel", project.beam.density),
+            "node": Material("Steel", project.node.density),
+            "panel": Material("Glass", project.panel.density),
+        },
+    )
