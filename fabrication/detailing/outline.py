@@ -18,7 +18,8 @@ def turns(points: Floats) -> Floats:
     ahead = side_vectors(points)
     back = np.roll(ahead, 1, axis=-2)
     cross = back[..., 0] * ahead[..., 1] - back[..., 1] * ahead[..., 0]
-    return np.arctan2(cross, np.sum(back * ahead, axis=-1))
+    angles: Floats = np.arctan2(cross, np.sum(back * ahead, axis=-1))
+    return angles
 
 
 def area(points: Floats, corner_radius: float = 0.0) -> Floats:
@@ -30,7 +31,8 @@ def area(points: Floats, corner_radius: float = 0.0) -> Floats:
     twice = points[..., 0] * ahead[..., 1] - points[..., 1] * ahead[..., 0]
     half = 0.5 * turns(points)
     lost = corner_radius**2 * (np.tan(half) - half)
-    return np.sum(0.5 * twice - lost, axis=-1)
+    total: Floats = np.sum(0.5 * twice - lost, axis=-1)
+    return total
 
 
 def least_rectangle(points: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -92,7 +93,7 @@ def polygons(
         slant < FLATTEST_SIDE,
         mesh,
         lambda c: (
-            f"the side along edge {mesh.corner_edge[c]} of panel {panel_mark(face[c])} "
+            f"the side along edge {mesh.corner_edge[c]} of panel {panel_mark(int(face[c]))} "
             f"meets the pane at {np.degrees(np.arcsin(slant[c])):.1f} deg"
         ),
         "the node axes lie down there: no pane can be made",
@@ -131,7 +132,7 @@ def _corners(mesh: Mesh, line: Floats, at: Floats, project: Project) -> Floats:
         length < LEAST_SIDE,
         mesh,
         lambda c: (
-            f"panel {panel_mark(face[c])}: a gap of {project.panel.gap_mm:g} mm leaves "
+            f"panel {panel_mark(int(face[c]))}: a gap of {project.panel.gap_mm:g} mm leaves "
             f"nothing of its side along edge {mesh.corner_edge[c]} "
             f"({mesh.edge_lengths[mesh.corner_edge[c]]:.1f} mm)"
         ),
@@ -158,7 +159,7 @@ def _straight_corners(
         straight & (np.abs(step) > ALIGNED),
         mesh,
         lambda c: (
-            f"panel {panel_mark(face[c])} has a straight corner at vertex "
+            f"panel {panel_mark(int(face[c]))} has a straight corner at vertex "
             f"{mesh.corners[c]}, but its sides there are {abs(step[c]):.2f} mm apart"
         ),
         "give the two sides one plane, or merge their edges",
@@ -166,7 +167,8 @@ def _straight_corners(
     which = np.flatnonzero(straight)
     around = 0.5 * (meet[mesh.corner_previous[which]] + meet[mesh.corner_next[which]])
     away = at[which] - np.einsum("ci,ci->c", around, line[which])
-    return around + away[:, None] * line[which]
+    points: Floats = around + away[:, None] * line[which]
+    return points
 
 
 def _check_corner_radius(mesh: Mesh, meet: Floats, length: Floats, project: Project) -> None:
@@ -183,18 +185,17 @@ def _check_corner_radius(mesh: Mesh, meet: Floats, length: Floats, project: Proj
         left < LEAST_SIDE,
         mesh,
         lambda c: (
-            f"panel {panel_mark(mesh.corner_face[c])}: corners of radius {radius:g} mm use "
+            f"panel {panel_mark(int(mesh.corner_face[c]))}: corners of radius {radius:g} mm use "
             f"{length[c] - left[c]:.1f} of the {length[c]:.1f} mm along edge {mesh.corner_edge[c]}"
         ),
         "take a smaller [panel] corner_radius_mm",
     )
 
 
-def _check(bad: NDArray[np.bool_], mesh: Mesh, say: object, advice: str) -> None:
+def _check(bad: NDArray[np.bool_], mesh: Mesh, say: Callable[[int], str], advice: str) -> None:
     corners = np.flatnonzero(bad).tolist()
     if corners:
-        assert callable(say)
-        raise listed([str(say(c)) for c in corners], advice)
+        raise listed([say(c) for c in corners], advice)
 
 
 def panel_specs(

@@ -181,7 +181,8 @@ def _section_keys(section: str) -> set[str]:
     model = Project.model_fields[section].annotation
     if model is Net:
         return {"kind", "file"}
-    assert isinstance(model, type) and issubclass(model, BaseModel)
+    assert isinstance(model, type)
+    assert issubclass(model, BaseModel)
     return set(model.model_fields)
 
 

@@ -54,10 +54,10 @@ def profile(designation: str) -> Profile:
             name, (_rectangle(numbers[0], numbers[1], 0.0, 0.0),), numbers[1], numbers[0]
         )
     if family == "T":
-        return _tee(name, *numbers, rolled=name in rule["rolled"])
+        return _tee(name, numbers[0], numbers[1], numbers[2], rolled=name in rule["rolled"])
     if family == "SHS":
         numbers = [numbers[0], *numbers]
-    return _hollow(name, *numbers, corners=families["RHS"]["corner"])
+    return _hollow(name, numbers[0], numbers[1], numbers[2], families["RHS"]["corner"])
 
 
 def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Profile:
