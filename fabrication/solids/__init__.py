@@ -108,7 +108,7 @@ def properties_of(shape: Shape) -> Properties:
     boundary = boundary_of(shape)
     if boundary is not None:
         return properties(boundary)
-    measured = kernel_properties(solid_of(shape))
+    measured = kernel_properties(solid_of(shape), adaptive=True)
     return Properties(second_volume_of(shape), measured.area, measured.centroid)
 
 
