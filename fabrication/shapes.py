@@ -55,9 +55,9 @@ def shape_key(shape: Shape) -> Hashable:
         same = np.array_equal(shape.inner, shape.outer)
         return ("panel", len(shape.inner), same, _key(shape.thickness), _key(shape.corner_radius))
     mark = shape.mark and (_key(shape.mark.x), _key(shape.mark.diameter), _key(shape.mark.depth))
-    seats = sorted((_key(s.distance), _key(s.width)) for s in shape.seats)
-    holes = tuple(sorted(_key(h.diameter) for h in shape.holes))
-    return ("node", _key(shape.radius), _key(shape.bore), mark, tuple(seats), holes)
+    seats = tuple(sorted((_key(s.distance), _key(s.width)) for s in shape.seats))
+    drilled = tuple(sorted(_key(hole.diameter) for hole in shape.holes))
+    return ("node", _key(shape.radius), _key(shape.bore), mark, seats, drilled)
 
 
 def _key(value: float | None) -> float:
@@ -66,7 +66,7 @@ def _key(value: float | None) -> float:
 
 @lru_cache(maxsize=64)
 def _profile_key(profile: Profile) -> Hashable:
-    loops = tuple(
+    loops: tuple[bytes, ...] = tuple(
         np.round(np.column_stack([loop.points, loop.bulges]), DECIMALS).tobytes()
         for loop in profile.loops
     )

@@ -14,7 +14,7 @@ from fabrication.detailing.clearance import panel_offset, steel_heights
 from fabrication.detailing.frames import Axes, arms_of, edge_frames, node_mark
 from fabrication.detailing.nodes import end_heights, node_ends, node_specs
 from fabrication.detailing.panels import face_planes, panel_specs
-from fabrication.detailing.radius import NodeSize, check_angles, node_size
+from fabrication.detailing.radius import NodeSize, close_arms, node_size
 from fabrication.project import Project, make_project
 from fabrication.specs import Beam, Check, Node, Panel, Piece
 
@@ -79,7 +79,7 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     Raises
     ------
     DetailError
-        A part cannot be made: arms too close, nodes too small, beams too short, panes used up.
+        A part cannot be made: nodes too small, beams too short, panes used up.
         What merely exceeds a limit of the project is a failing check of its piece instead.
 
     Source: fabrication.md, Beam, Node element, Panel.
@@ -91,8 +91,7 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     profile = project.beam.section()
     frames = edge_frames(mesh, axes)
     arms = arms_of(mesh, axes, frames)
-    check_angles(mesh, arms, project.checks.min_angle_deg)
-    size = node_size(mesh, arms, profile, project)
+    size = node_size(arms, profile, project)
     cuts = end_cuts(frames, size, project.beam.eccentricity_mm)
     beams = beam_specs(mesh, frames, cuts, size, profile, project)
     low, middle, high = end_heights(frames, arms, size, profile, project)
@@ -105,5 +104,6 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
         heights = steel_heights(mesh, axes, planes, frames, ends[1], size, profile, project)
         offset, problem = panel_offset(heights, project)
         panels = panel_specs(mesh, planes, frames, offset, project)
-    problems = () if problem is None else (problem,)
+    found = (close_arms(arms, project.checks.min_angle_deg), problem)
+    problems = tuple(sentence for sentence in found if sentence is not None)
     return Gridshell(mesh, support, project, beams, nodes, panels, size, offset, problems)

@@ -96,6 +96,8 @@ def node_specs(
     depths = _hole_depths(arms, size, profile, project)
     bolt = bolt_diameters(project.node.bolt)
     leans = lean(mesh, axes).tolist()
+    least = project.checks.min_angle_deg
+    closest = np.degrees(arms.gap).tolist()
     limit = project.support.lean_limit_deg
     mark = _mark(size)
     flat = project.beam.end == "flat"
@@ -121,7 +123,7 @@ def node_specs(
             else (),
             mark,
         )
-        degrees = float(np.degrees(leans[v]))
+        degrees, angle = float(np.degrees(leans[v])), min(closest[k] for k in own)
         nodes.append(
             Node(
                 mark=node_mark(v),
@@ -134,7 +136,10 @@ def node_specs(
                 ),
                 shape=shape,
                 placement=placements[v],
-                checks=(Check("lean_deg", degrees <= limit, degrees, limit),),
+                checks=(
+                    Check("lean_deg", degrees <= limit, degrees, limit),
+                    Check("least_angle_deg", angle >= least, angle, least),
+                ),
             )
         )
     return tuple(nodes)

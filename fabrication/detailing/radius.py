@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import DetailError
-from ddgfab.mesh import Floats, Mesh
-from fabrication.detailing.frames import Arms, beam_mark, listed, node_mark
+from ddgfab.mesh import Floats
+from fabrication.detailing.frames import NAMED, Arms, beam_mark, listed, node_mark
 from fabrication.project.models import Project
 from fabrication.specs import Profile
 from fabrication.standards import node_diameters
@@ -47,24 +47,27 @@ def least_radii(arms: Arms, width: float, clearance: float) -> Floats:
     return 0.5 * width / np.sin(half_angle) + clearance
 
 
-def check_angles(mesh: Mesh, arms: Arms, limit_deg: float) -> None:
-    """Raise `DetailError` where neighbouring arms are nearer in azimuth than the limit [deg]."""
+def close_arms(arms: Arms, limit_deg: float) -> str | None:
+    """Which neighbouring arms are nearer in azimuth than the limit [deg], closest first; or None.
+
+    The nodes themselves carry the check; this names the arms.
+    """
     gap = np.degrees(arms.gap)
     after = arms.following()
     close = np.flatnonzero(gap < limit_deg)
-    if len(close):
-        close = close[np.argsort(gap[close], kind="stable")]
-        raise listed(
-            [
-                f"node {node_mark(arms.node[k])}: beams {beam_mark(arms.edge[k])} and "
-                f"{beam_mark(arms.edge[after[k]])} are {gap[k]:.1f} deg apart"
-                for k in close.tolist()
-            ],
-            f"the least angle between arms is {limit_deg:g} deg ([checks] min_angle_deg)",
-        )
+    if not len(close):
+        return None
+    close = close[np.argsort(gap[close], kind="stable")]
+    pairs = [
+        f"{beam_mark(arms.edge[k])} and {beam_mark(arms.edge[after[k]])} at "
+        f"{node_mark(arms.node[k])} ({gap[k]:.1f} deg)"
+        for k in close[:NAMED].tolist()
+    ]
+    more = f" and {len(close) - NAMED} more" if len(close) > NAMED else ""
+    return f"arms are less than {limit_deg:g} deg apart: {', '.join(pairs)}{more}"
 
 
-def node_size(mesh: Mesh, arms: Arms, profile: Profile, project: Project) -> NodeSize:
+def node_size(arms: Arms, profile: Profile, project: Project) -> NodeSize:
     """Size of the nodes: the given diameter, or the least of the series that fits everywhere.
 
     Raises

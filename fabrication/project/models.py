@@ -193,7 +193,7 @@ class Checks(Section):
     bend_percent : planarity of a candidate for cold bending; beyond it the pane is rejected
     accept : the worst class that passes: "flat" (the panes are made flat) or "cold-bend"
     planarity_mm : greatest distance of a corner from the pane's plane, whatever the class
-    min_angle_deg : azimuth difference of neighbouring arms; less is an error
+    min_angle_deg : azimuth difference of neighbouring arms
     torsion_deg : of an edge; default 0.1, the limit for optimised structures
     family_tolerance_mm : parts whose corners agree within it share a part number
     verify : which files are read back: one for every part number, one in ten, or none
