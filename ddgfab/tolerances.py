@@ -10,6 +10,9 @@ RELATIVE_DEGENERATE: Final = 1e-12
 MERGE_RELATIVE: Final = 1e-7
 """Vertices nearer than this part of the bounding box diagonal are duplicates."""
 
+COORDINATE_LIMIT: Final = 1e60
+"""Coordinates beyond this are refused in files: products of four lengths must not overflow."""
+
 TORSION_EXACT_DEG: Final = 1e-6
 """A structure below this torsion [deg] counts as torsion-free."""
 

@@ -83,6 +83,8 @@ def read_mesh(
     path = Path(path)
     if not (np.isfinite(scale) and scale > 0):
         raise MeshError(f"scale {scale}: a positive number is needed")
+    if merge is not None and not (np.isfinite(merge) and merge >= 0):
+        raise MeshError(f"merge distance {merge}: a length of 0 or more is needed")
     parse = _PARSERS.get(path.suffix.lower())
     if parse is None:
         raise MeshError(
@@ -92,4 +94,6 @@ def read_mesh(
     data, digest = load_bytes(path, limit_bytes)
     raw = parse(data, str(path))
     mesh, notes = repair(replace(raw, points=raw.points * scale), merge)
+    if path.suffix.lower() != ".ply" and not data.endswith((b"\n", b"\r", b"\n\0")):
+        notes.append("the last line has no line break: if the file was cut off, look there")
     return ReadResult(mesh, tuple(notes), str(path), digest, len(raw.points), len(raw.sizes))

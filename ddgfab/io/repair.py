@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from ddgfab.errors import MeshError
 from ddgfab.io.raw import RawMesh
 from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.tolerances import MERGE_RELATIVE, RELATIVE_DEGENERATE
+from ddgfab.tolerances import COORDINATE_LIMIT, MERGE_RELATIVE, RELATIVE_DEGENERATE
 
 _SWEEP = np.array([0.5773, 0.2113, 0.7887])  # a direction no grid is perpendicular to
 
@@ -77,6 +76,11 @@ def _check_ranges(raw: RawMesh) -> None:
     bad = np.flatnonzero(~np.isfinite(raw.points).all(axis=1))
     if len(bad):
         raise raw.fail(f"vertex {bad[0]} has a coordinate that is not finite", point=int(bad[0]))
+    large = np.flatnonzero((np.abs(raw.points) > COORDINATE_LIMIT).any(axis=1))
+    if len(large):
+        raise raw.fail(
+            f"vertex {large[0]} has a coordinate beyond {COORDINATE_LIMIT:g}", point=int(large[0])
+        )
     small = np.flatnonzero(raw.sizes < 3)
     if len(small):
         face = int(small[0])
@@ -127,8 +131,6 @@ def _merge(raw: RawMesh, merge: float | None) -> tuple[RawMesh, int, float]:
     """One vertex for points nearer than the distance (chains of such points become one)."""
     if merge is None:
         merge = MERGE_RELATIVE * float(np.linalg.norm(np.ptp(raw.points, axis=0)))
-    if merge < 0 or not np.isfinite(merge):
-        raise MeshError(f"merge distance {merge}: a length of 0 or more is needed")
     near = _near_pairs(raw.points, merge) if merge > 0 else np.empty((0, 2), dtype=np.int64)
     if not len(near):
         return raw, 0, merge
