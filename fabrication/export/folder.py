@@ -10,7 +10,7 @@ import unicodedata
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
 from ddgfab.errors import InputError, OutputError
 from fabrication.export.manifest import MANIFEST, read_manifest
@@ -35,10 +35,10 @@ def safe_name(text: str) -> str:
 class OutputFolder:
     """A folder that appears complete or not at all; a context manager.
 
-    Inside the block write to `path`, the manifest last. When the block ends well the folder takes
-    its place; a folder of ours that was there is replaced, and files in it that our manifest does
-    not list (somebody else's) are carried over. When the block raises, interrupts included,
-    nothing remains and an old folder stays as it was.
+    The block gets the path of the folder to write to, the manifest last. When the block ends well
+    the folder takes its place; a folder of ours that was there is replaced, and files in it that
+    its manifest does not list (somebody else's) are carried over. When the block raises,
+    interrupts included, nothing remains and an old folder stays as it was.
 
     Raises
     ------
@@ -52,7 +52,7 @@ class OutputFolder:
         self.path: Final = self.target.with_name(f".{self.target.name}.partial-{os.getpid()}")
         self._aside: Final = self.target.with_name(f".{self.target.name}.old-{os.getpid()}")
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> Path:
         _require_ours(self.target)
         try:
             self.target.parent.mkdir(parents=True, exist_ok=True)
@@ -60,7 +60,7 @@ class OutputFolder:
             self.path.mkdir()
         except OSError as error:
             raise explain(error, self.target) from error
-        return self
+        return self.path
 
     def __exit__(
         self,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,9 +12,9 @@ import numpy as np
 
 from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
-from fabrication.export.step import COLOURS, GROUPS
+from fabrication.export.step import COLOURS, FAILED, GROUPS
 from fabrication.export.version import originating_system
-from fabrication.specs import Placement, Role, TriangleMesh
+from fabrication.specs import Family, Placement, TriangleMesh
 
 GLASS_ALPHA: Final = 0.35
 """Opacity of panels."""
@@ -26,52 +26,66 @@ _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
 
 
 def glb_bytes(
-    meshes: Mapping[str, tuple[Role, TriangleMesh]],
-    instances: Sequence[tuple[str, str, Placement]],
+    families: Sequence[Family],
+    meshes: Mapping[str, TriangleMesh],
+    failed: Collection[str] = (),
     *,
-    name: str = "",
+    name: str = "model",
 ) -> bytes:
     """The model as GLB. Without normals: viewers then shade flat, as glTF 2.0 (3.7.2.1) says.
 
     Parameters
     ----------
-    meshes : by part number, role and mesh in the part's frame [mm]
-    instances : (part number, piece mark, (4, 4) placement [mm]) of every piece
+    families : part numbers with their instances
+    meshes : by part number, the mesh in the part's frame [mm]
+    failed : marks of pieces that are shown in red
     """
-    numbers = list(meshes)
-    index = {number: i for i, number in enumerate(numbers)}
-    roles = [role for role in GROUPS if any(meshes[n][0] == role for n in numbers)]
-    positions = [_converted(meshes[n][1].vertices).astype("<f4") for n in numbers]
-    triangles = [meshes[n][1].triangles.astype("<u4") for n in numbers]
-    lengths = [sum(p.nbytes for p in positions), sum(t.nbytes for t in triangles)]
-    placed = {meshes[number][0] for number, _, _ in instances}
-    groups: dict[str, list[int]] = {role: [] for role in roles if role in placed}
+    roles = [role for role in GROUPS if any(family.role == role for family in families)]
+    groups: dict[str, list[int]] = {
+        role: [] for role in roles if any(f.instances for f in families if f.role == role)
+    }
+    # A glTF mesh owns its material, so a part number has a red twin where a piece of it failed.
+    prints: dict[tuple[str, bool], int] = {}
     nodes: list[dict[str, Any]] = []
-    for number, mark, placement in instances:
-        groups[meshes[number][0]].append(1 + len(groups) + len(nodes))
-        nodes.append({"name": mark, "mesh": index[number], "matrix": _matrix(placement)})
+    for family in families:
+        for instance in family.instances:
+            key = (family.number, instance.mark in failed)
+            groups[family.role].append(1 + len(groups) + len(nodes))
+            nodes.append(
+                {
+                    "name": instance.mark,
+                    "mesh": prints.setdefault(key, len(prints)),
+                    "matrix": _matrix(instance.placement),
+                }
+            )
+    role_of = {family.number: family.role for family in families}
+    index = {family.number: i for i, family in enumerate(families)}
+    materials = [*roles, *([FAILED] if any(red for _, red in prints) else [])]
+    positions = [_converted(meshes[f.number].vertices).astype("<f4") for f in families]
+    triangles = [meshes[f.number].triangles.astype("<u4") for f in families]
+    lengths = [sum(p.nbytes for p in positions), sum(t.nbytes for t in triangles)]
     document: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": originating_system()},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [
-            {"name": name or "model", "children": list(range(1, 1 + len(groups)))},
-            *({"name": GROUPS[role], "children": children} for role, children in groups.items()),
+            {"name": name, "children": list(range(1, 1 + len(groups)))},
+            *({"name": GROUPS[role], "children": group} for role, group in groups.items()),
             *nodes,
         ],
-        "materials": [_material(role) for role in roles],
+        "materials": [_material(material) for material in materials],
         "meshes": [
             {
                 "name": number,
                 "primitives": [
                     {
-                        "attributes": {"POSITION": 2 * i},
-                        "indices": 2 * i + 1,
-                        "material": roles.index(meshes[number][0]),
+                        "attributes": {"POSITION": 2 * index[number]},
+                        "indices": 2 * index[number] + 1,
+                        "material": materials.index(FAILED if red else role_of[number]),
                     }
                 ],
             }
-            for i, number in enumerate(numbers)
+            for number, red in prints
         ],
         "accessors": _accessors(positions, triangles),
         "bufferViews": [
@@ -107,10 +121,11 @@ def glb_bytes(
 
 def write_glb(
     path: Path,
-    meshes: Mapping[str, tuple[Role, TriangleMesh]],
-    instances: Sequence[tuple[str, str, Placement]],
+    families: Sequence[Family],
+    meshes: Mapping[str, TriangleMesh],
+    failed: Collection[str] = (),
     *,
-    name: str = "",
+    name: str = "model",
 ) -> None:
     """Write the model as GLB (atomically); see `glb_bytes`.
 
@@ -120,7 +135,7 @@ def write_glb(
         The file cannot be written.
     """
     with atomic_write(path) as file:
-        file.write(glb_bytes(meshes, instances, name=name))
+        file.write(glb_bytes(families, meshes, failed, name=name))
 
 
 def _converted(points: Floats) -> Floats:

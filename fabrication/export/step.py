@@ -29,8 +29,12 @@ COLOURS: Final[dict[str, tuple[float, float, float]]] = {
     "beam": (0.33, 0.36, 0.40),
     "node": (0.80, 0.42, 0.16),
     "panel": (0.45, 0.72, 0.74),
+    "failed": (0.85, 0.10, 0.10),
 }
-"""sRGB colours of the roles, 0..1."""
+"""sRGB colours of the roles, and of pieces that failed a check, 0..1."""
+
+FAILED: Final = "failed"
+"""The key in `COLOURS` of pieces that failed a check."""
 
 LAYERS: Final[dict[str, str]] = {"beam": "BEAMS", "node": "NODES", "panel": "PANELS"}
 """Layers of the roles."""
@@ -229,7 +233,7 @@ def _document_bytes(document: Any, file_name: str, header: Header, schema: Schem
         stream = io.BytesIO()
         if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
             raise KernelError(f"{file_name}: OCCT cannot write the STEP text")
-    colours = {LAYERS[role]: colour for role, colour in COLOURS.items()}
+    colours = {layer: COLOURS[role] for role, layer in LAYERS.items()}
     return coloured(mended_density(renumbered(stream.getvalue())), colours)
 
 

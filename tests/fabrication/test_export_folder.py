@@ -60,7 +60,7 @@ def stop(folder: Path, error: type[BaseException]) -> None:
 def test_a_folder_appears_whole_and_nothing_else_remains(tmp_path: Path) -> None:
     target = tmp_path / "deep" / "out"
     with OutputFolder(target) as folder:
-        fill(folder.path)
+        fill(folder)
         assert not target.exists()
     assert (target / "parts" / "a.step").read_text() == "new"
     assert [p.name for p in target.parent.iterdir()] == ["out"]
@@ -72,9 +72,9 @@ def test_an_exception_leaves_the_old_folder_and_no_other(
 ) -> None:
     target = tmp_path / "out"
     with OutputFolder(target) as folder:
-        fill(folder.path, "old")
+        fill(folder, "old")
     with pytest.raises(error), OutputFolder(target) as folder:
-        stop(folder.path, error)
+        stop(folder, error)
     assert (target / "parts" / "a.step").read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["out"]
 
@@ -82,13 +82,13 @@ def test_an_exception_leaves_the_old_folder_and_no_other(
 def test_ours_is_replaced_and_strangers_files_are_carried_over(tmp_path: Path) -> None:
     target = tmp_path / "out"
     with OutputFolder(target) as folder:
-        fill(folder.path, "old")
-        (folder.path / "gone.txt").write_text("listed, and not made again")
-        write_manifest(folder.path / "manifest.json", manifest(files=file_records(folder.path)))
+        fill(folder, "old")
+        (folder / "gone.txt").write_text("listed, and not made again")
+        write_manifest(folder / "manifest.json", manifest(files=file_records(folder)))
     (target / "notes").mkdir()
     (target / "notes" / "mine.txt").write_text("keep")
     with OutputFolder(target) as folder:
-        fill(folder.path, "new")
+        fill(folder, "new")
     assert (target / "parts" / "a.step").read_text() == "new"
     assert (target / "notes" / "mine.txt").read_text() == "keep"
     assert not (target / "gone.txt").exists()
@@ -99,7 +99,7 @@ def test_a_folder_that_is_not_ours_is_refused_before_any_work(tmp_path: Path) ->
     target = tmp_path / "thesis"
     target.mkdir()
     with OutputFolder(target) as folder:  # an empty one may be used
-        fill(folder.path)
+        fill(folder)
     for content in ("{}", "[]", '{"format_version": 1}', "not json"):
         (target / "manifest.json").write_text(content)
         with pytest.raises(OutputError, match="no output folder of ddgfab"), OutputFolder(target):
@@ -135,7 +135,7 @@ def test_a_parent_that_cannot_be_written_is_named(tmp_path: Path) -> None:
 def test_a_failed_swap_brings_the_old_folder_back(tmp_path: Path, monkeypatch: Any) -> None:
     target = tmp_path / "out"
     with OutputFolder(target) as folder:
-        fill(folder.path, "old")
+        fill(folder, "old")
     rename = Path.rename
 
     def refuse(self: Path, to: Path) -> Path:
@@ -145,7 +145,7 @@ def test_a_failed_swap_brings_the_old_folder_back(tmp_path: Path, monkeypatch: A
 
     monkeypatch.setattr(Path, "rename", refuse)
     with pytest.raises(OutputError, match="no permission"), OutputFolder(target) as folder:
-        fill(folder.path)
+        fill(folder)
     assert (target / "parts" / "a.step").read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["out"]
 

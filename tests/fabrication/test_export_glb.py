@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from fabrication.export.glb import glb_bytes, write_glb
-from fabrication.specs import Role, TriangleMesh
+from fabrication.specs import Family, Instance, PanelShape, TriangleMesh
 
 VALIDATOR = os.environ.get("GLTF_VALIDATOR", "")  # .../node_modules/gltf-validator
 
@@ -27,20 +27,27 @@ def block(x: float, y: float, z: float) -> TriangleMesh:
     )
 
 
-def example() -> tuple[dict[str, tuple[Role, TriangleMesh]], list[tuple[str, str, np.ndarray]]]:
+def example() -> tuple[list[Family], dict[str, TriangleMesh]]:
     turn = np.eye(4)
     turn[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]  # x to y, about z
     turn[:3, 3] = 1000, 2000, 3000
-    meshes: dict[str, tuple[Role, TriangleMesh]] = {
-        "BP-001": ("beam", block(1000, 60, 8)),
-        "NP-001": ("node", block(80, 80, 100)),
-        "PP-001": ("panel", block(900, 900, 16)),
+    meshes = {
+        "BP-001": block(1000, 60, 8),
+        "NP-001": block(80, 80, 100),
+        "PP-001": block(900, 900, 16),
     }
-    return meshes, [
-        ("BP-001", "B-0000", np.eye(4)),
-        ("BP-001", "B-0001", turn),
-        ("PP-001", "P-0000", turn),
+    # The writer looks at meshes, never at shapes: one shape serves all.
+    shape = PanelShape(1.0, np.zeros((4, 2)), np.zeros((4, 2)))
+    places = {
+        "BP-001": ("beam", (Instance("B-0000", np.eye(4)), Instance("B-0001", turn))),
+        "NP-001": ("node", (Instance("N-0000", np.eye(4)),)),
+        "PP-001": ("panel", (Instance("P-0000", turn),)),
+    }
+    families = [
+        Family(number, role, shape, instances, 0.0)  # type: ignore[arg-type]
+        for number, (role, instances) in places.items()
     ]
+    return families, meshes
 
 
 def parse(data: bytes) -> tuple[dict[str, Any], bytes]:
@@ -55,15 +62,17 @@ def parse(data: bytes) -> tuple[dict[str, Any], bytes]:
 
 
 def test_each_instance_is_a_named_node_where_its_part_belongs() -> None:
-    meshes, instances = example()
-    document, binary = parse(glb_bytes(meshes, instances, name="Roof"))
+    families, meshes = example()
+    document, binary = parse(glb_bytes(families, meshes, name="Roof"))
     nodes = {node["name"]: node for node in document["nodes"]}
     assert [mesh["name"] for mesh in document["meshes"]] == list(meshes)
     reached = list(document["scenes"][0]["nodes"])
     for i in reached:
         reached += document["nodes"][i].get("children", [])
     assert sorted(reached) == list(range(len(document["nodes"])))
-    for number, mark, placement in instances:
+    for number, mark, placement in (
+        (f.number, i.mark, i.placement) for f in families for i in f.instances
+    ):
         node = nodes[mark]
         primitive = document["meshes"][node["mesh"]]["primitives"][0]
         accessor = document["accessors"][primitive["attributes"]["POSITION"]]
@@ -72,13 +81,13 @@ def test_each_instance_is_a_named_node_where_its_part_belongs() -> None:
         np.testing.assert_array_equal(points.min(axis=0), accessor["min"])
         matrix = np.array(node["matrix"]).reshape(4, 4).T
         placed = points @ matrix[:3, :3].T + matrix[:3, 3]
-        ours = meshes[number][1].vertices @ placement[:3, :3].T + placement[:3, 3]
+        ours = meshes[number].vertices @ placement[:3, :3].T + placement[:3, 3]
         # y up: (x, y, z) [mm] is (x, z, -y) [m]
         np.testing.assert_allclose(placed, ours[:, [0, 2, 1]] * [1, 1, -1] / 1000, atol=1e-6)
         indices = document["accessors"][primitive["indices"]]
         offset = document["bufferViews"][1]["byteOffset"] + indices["byteOffset"]
         corners = np.frombuffer(binary, "<u4", indices["count"], offset).reshape(-1, 3)
-        np.testing.assert_array_equal(corners, meshes[number][1].triangles)
+        np.testing.assert_array_equal(corners, meshes[number].triangles)
 
 
 def test_panels_are_glass_and_the_rest_is_not() -> None:
@@ -90,12 +99,26 @@ def test_panels_are_glass_and_the_rest_is_not() -> None:
     assert glb_bytes(*example()) == glb_bytes(*example())
 
 
+def test_failed_pieces_are_red_and_their_sisters_are_not() -> None:
+    document, _ = parse(glb_bytes(*example(), {"B-0001"}))
+    nodes = {node["name"]: node for node in document["nodes"]}
+
+    def material(mark: str) -> str:
+        primitive = document["meshes"][nodes[mark]["mesh"]]["primitives"][0]
+        return str(document["materials"][primitive["material"]]["name"])
+
+    assert [material(mark) for mark in ("B-0000", "B-0001", "P-0000")] == [
+        "beam",
+        "failed",
+        "panel",
+    ]
+
+
 def test_khronos_validator_finds_no_fault(tmp_path: Path) -> None:
     if shutil.which("node") is None or not VALIDATOR:
         pytest.skip("node or the npm package gltf-validator (GLTF_VALIDATOR) is not installed")
     path = tmp_path / "model.glb"
-    meshes, instances = example()
-    write_glb(path, meshes, [*instances, ("NP-001", "N-0000", np.eye(4))])
+    write_glb(path, *example(), {"B-0001"})
     program = (
         f"require({VALIDATOR!r}).validateBytes(new Uint8Array(require('fs').readFileSync("
         f"{str(path)!r}))).then(r => console.log(JSON.stringify(r.issues)))"

@@ -1,0 +1,57 @@
+"""Checks of assembly.step: read back and compared piece by piece with what went in."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from ddgfab.errors import InputError
+from fabrication.checks.file import FILE_VOLUME_RELATIVE, STEP_UNIT, read_step
+from fabrication.specs import Check, Placement
+
+PLACEMENT_MM: Final = 1e-6
+"""How far [mm] the placement of an instance read back may be from the one written."""
+
+PLACEMENT_ROTATION: Final = 1e-9
+"""How far the entries of its rotation may be."""
+
+
+def check_step_assembly(
+    path: Path, expected: Mapping[str, tuple[str, float, Placement]]
+) -> list[Check]:
+    """The checks of the whole: names, counts, placements, volume, validity of every product.
+
+    Parameters
+    ----------
+    expected : by piece mark: part number, volume [mm3], (4, 4) placement
+    """
+    try:
+        content = read_step(path)
+    except InputError as error:
+        return [Check("assembly readable", False, str(error))]
+    found = {name: (product, placement) for product, name, placement in content.instances}
+    marks = set(found) == set(expected) and len(content.instances) == len(expected)
+    numbers = Counter(number for number, _, _ in expected.values())
+    read = Counter(product for product, _, _ in content.instances)
+    turn = shift = 0.0
+    for mark in found.keys() & expected.keys():
+        away = np.abs(found[mark][1] - expected[mark][2])
+        turn, shift = max(turn, float(away[:3, :3].max())), max(shift, float(away[:3, 3].max()))
+    volumes = {product.name: product.report.volume for product in content.products}
+    total = sum(volumes[product] for product, _, _ in content.instances)
+    wanted = sum(volume for _, volume, _ in expected.values())
+    deviation = abs(total - wanted) / max(wanted, 1e-300)
+    sound = [p.report.valid and p.report.closed and p.report.solids == 1 for p in content.products]
+    return [
+        Check("assembly marks", marks, float(len(content.instances)), float(len(expected))),
+        Check("assembly part numbers", read == numbers, float(len(read)), float(len(numbers))),
+        Check("assembly solids valid", all(sound), float(sum(sound)), float(len(numbers))),
+        Check("assembly rotations", turn <= PLACEMENT_ROTATION, turn, PLACEMENT_ROTATION),
+        Check("assembly positions_mm", shift <= PLACEMENT_MM, shift, PLACEMENT_MM),
+        Check("assembly volume", deviation <= FILE_VOLUME_RELATIVE, deviation, FILE_VOLUME_RELATIVE),
+        Check("assembly unit", content.unit == STEP_UNIT, content.unit, STEP_UNIT),
+    ]
