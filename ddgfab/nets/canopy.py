@@ -36,7 +36,7 @@ def canopy(
     panels_along, panels_across : number of panels along the spine and across it
     panel_mm : side of a panel on the spine at mid-length [mm]; others are smaller on the inside
         of bends and at the narrow end, larger on the outside and at the wide end
-    bend_deg : how far the spine swings to either side of its main direction, as in an S; 0: straight
+    bend_deg : how far the spine swings to either side, as in an S; 0: straight
     rise_deg : slope at which the spine climbs at one end and falls at the other; 0: level
     wall_deg : how steeply the roof begins at its low eave (90: like a wall)
     fall_deg : how steeply it falls again behind its crest
@@ -110,4 +110,4 @@ def _flared(net: Floats, length: float, flare: float) -> Floats:
     # Scale goes with 1 / distance^2, from the start (distance d) to the end (d + length).
     distance = length / (np.sqrt(flare) - 1.0)
     image = invert(net, [-distance, 0.0, 0.0], abs(distance + 0.5 * length))
-    return image * np.array([-1.0, 1.0, 1.0])
+    return np.asarray(image * [-1.0, 1.0, 1.0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ddgfab.support.asymptotic import edge_bend
 from ddgfab.support.choose import SupportKind, support_structure
+from ddgfab.support.even import even_lean
 from ddgfab.support.exact import cone_axes, reflected_axes
 from ddgfab.support.optimize import OptimizeOptions, optimize
 from ddgfab.support.parallel import parallel_axes, parallel_field
@@ -18,6 +19,7 @@ __all__ = [
     "central",
     "cone_axes",
     "edge_bend",
+    "even_lean",
     "optimize",
     "parallel_axes",
     "parallel_field",

@@ -163,6 +163,11 @@ def _reason(structure: SupportStructure) -> str:
             f"{100 * bend:.0f} % of what the normals turn), where axes end up lying in the surface"
         )
     flat = planarity_percent(mesh)
+    if not len(mesh.boundary_loops):
+        return (
+            "; a closed quad mesh leaves as many conditions as axes have freedom, so that in "
+            "general there are none: cut it open, or optimise its vertices"
+        )
     return (
         f"; its edges are far from conjugate directions (faces are up to {flat.max():.2g} % and "
         f"on average {flat.mean():.2g} % from planar): optimise the net for planarity first"
