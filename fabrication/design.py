@@ -19,7 +19,7 @@ from ddgfab.support import SupportStructure, support_structure
 from fabrication.detailing import Gridshell, detail
 from fabrication.families import families
 from fabrication.project import Project, load_project, make_project, project_for_mesh
-from fabrication.schedules import Table, beam_rows, node_rows, panel_rows
+from fabrication.schedules import Table, schedules
 from fabrication.specs import Family
 
 if TYPE_CHECKING:
@@ -76,24 +76,24 @@ class Design:
         )
 
     @cached_property
-    def beams(self) -> Table:
-        """Schedule of the beams: one plain dictionary a row, as in beams.csv."""
-        return beam_rows(self.gridshell, self.families)
-
-    @cached_property
-    def nodes(self) -> Table:
-        """Schedule of the nodes, as in nodes.csv."""
-        return node_rows(self.gridshell, self.families)
-
-    @cached_property
-    def panels(self) -> Table:
-        """Schedule of the panels, as in panels.csv."""
-        return panel_rows(self.gridshell, self.families)
+    def schedules(self) -> dict[str, Table]:
+        """The schedules "panels", "beams" and "nodes": plain dictionaries as rows."""
+        return schedules(self.gridshell, self.families)
 
     @property
-    def schedules(self) -> dict[str, Table]:
-        """The schedules by file name."""
-        return {"panels": self.panels, "beams": self.beams, "nodes": self.nodes}
+    def beams(self) -> Table:
+        """Schedule of the beams, as in beams.csv."""
+        return self.schedules["beams"]
+
+    @property
+    def nodes(self) -> Table:
+        """Schedule of the nodes, as in nodes.csv."""
+        return self.schedules["nodes"]
+
+    @property
+    def panels(self) -> Table:
+        """Schedule of the panels, as in panels.csv."""
+        return self.schedules["panels"]
 
     def to_build123d(self) -> Any:
         """A labelled `build123d.Compound`: children Beams, Nodes, Panels with a solid a piece."""

@@ -3,7 +3,7 @@
 Congruent means: a rigid motion that keeps the top side up takes one onto the other, corners within
 a tolerance. Beams of a symmetric profile may be turned end for end; panels and nodes about their
 normal or axis. Reflections, and parts turned upside down, count as different: glass has an outer
-surface, and nodes and beams carry theirs.
+surface, and nodes and beams carry theirs. Pieces beyond a limit never share a number with good ones.
 """
 
 from __future__ import annotations
@@ -59,7 +59,8 @@ def families(pieces: Sequence[Piece], tolerance: float = 0.1) -> tuple[Family, .
         "panel": defaultdict(list),
     }
     for index, piece in enumerate(pieces):
-        groups[piece.role][shape_key(piece.shape)].append(index)
+        good = all(check.passed for check in piece.checks)
+        groups[piece.role][good, shape_key(piece.shape)].append(index)
     result: list[Family] = []
     for role, by_key in groups.items():
         found: list[tuple[list[int], list[Instance], float]] = []

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ddgfab.errors import DdgError
-from fabrication.checks.file import check_step_assembly, check_step_part, check_stl_part
+from fabrication.checks.file import check_step_part, check_stl_part
 from fabrication.checks.mesh import check_mesh
 from fabrication.checks.solid import check_solid
+from fabrication.checks.whole import check_step_assembly
 from fabrication.export.step import Header, Material, Product, Schema, write_assembly, write_part
 from fabrication.export.stl import write_stl
 from fabrication.export.xcaf import solid_from_bytes, solid_to_bytes

@@ -18,6 +18,7 @@ import numpy as np
 from ddgfab.errors import OutputError
 from fabrication.checks.assembly import check_assembly
 from fabrication.design import Design, Progress
+from fabrication.detailing.clearance import PANEL_CLEARANCE
 from fabrication.export.folder import OutputFolder, safe_name
 from fabrication.export.glb import write_glb
 from fabrication.export.manifest import (
@@ -40,7 +41,7 @@ from fabrication.parts import (
     verify_parts,
 )
 from fabrication.problems import problems_of
-from fabrication.specs import Check
+from fabrication.specs import Check, Role
 
 REJECTED: Final = "rejected"
 """Folder, inside the output folder, of the parts that failed a check or a limit."""
@@ -190,7 +191,8 @@ class _Job:
             pieces = check_assembly(
                 self.design.families,
                 {part.number: part.mesh for part in parts},
-                clearances(self.design.project),
+                clearances(self.design),
+                tolerance=2 * CHORD_MM,
             )
         with self._timed("schedules"):
             self._write_schedules()
@@ -337,7 +339,7 @@ class _Job:
                 table.to_csv(folder / f"{name}.csv")
         if "xlsx" in self.formats:
             folder.mkdir(exist_ok=True)
-            write_xlsx(folder / "schedule.xlsx", {n: list(t) for n, t in tables.items()})
+            write_xlsx(folder / "schedule.xlsx", {name: table.rows for name, table in tables.items()})
 
     def _write_models(self, parts: Sequence[PartResult], failed: set[str]) -> None:
         self.tell("model and preview", 0, 0)
@@ -419,6 +421,23 @@ class _Job:
 
     def _add(self, step: str, seconds: float) -> None:
         self.seconds[step] = self.seconds.get(step, 0.0) + seconds
+
+
+def clearances(design: Design) -> dict[tuple[Role, Role], float]:
+    """Least gaps [mm] between neighbours: what the project asks for less what families may take.
+
+    A member may be off from its family's shape by the family's deviation, on either side.
+    """
+    project = design.project
+    loss = 2 * max((family.deviation for family in design.families), default=0.0)
+    to_steel = PANEL_CLEARANCE if project.panel.offset_mm == "auto" else 0.0
+    wanted: dict[tuple[Role, Role], float] = {
+        ("beam", "node"): project.beam.clearance_mm,
+        ("beam", "panel"): to_steel,
+        ("node", "panel"): to_steel,
+        ("panel", "panel"): project.panel.gap_mm,
+    }
+    return {roles: max(0.0, gap - loss) for roles, gap in wanted.items()}
 
 
 def _part_settings(design: Design, folder: Path, formats: frozenset[str]) -> PartSettings:

@@ -233,15 +233,12 @@ def _orient(raw: RawMesh, mesh: Mesh) -> tuple[Mesh, int]:
             "cut it open, or take the faces out that close it",
             face=face,
         )
-    component = np.minimum(upper, lower)
-    lift = upper != component  # which of the two lifts a face's own orientation belongs to
-    total = np.bincount(component, minlength=2 * n)
-    lifted = np.bincount(component, weights=lift, minlength=2 * n)
-    minority = np.where(2 * lifted > total, 0, 1)
-    tie = 2 * lifted == total  # then the face of lowest id keeps its orientation
-    found, first = np.unique(component, return_index=True)
-    minority[found] = np.where(tie[found], 1 - lift[first], minority[found])
-    flip = lift == minority[component]
+    _, first, component = np.unique(
+        np.minimum(upper, lower), return_index=True, return_inverse=True
+    )
+    differs = upper != upper[first][component]  # from the first face of its component
+    against = np.bincount(component, weights=differs)
+    flip = differs != (2 * against > np.bincount(component))[component]
     return _flipped(raw, mesh, flip), int(flip.sum())
 
 

@@ -52,6 +52,8 @@ def check_step_assembly(
         Check("assembly solids valid", all(sound), float(sum(sound)), float(len(numbers))),
         Check("assembly rotations", turn <= PLACEMENT_ROTATION, turn, PLACEMENT_ROTATION),
         Check("assembly positions_mm", shift <= PLACEMENT_MM, shift, PLACEMENT_MM),
-        Check("assembly volume", deviation <= FILE_VOLUME_RELATIVE, deviation, FILE_VOLUME_RELATIVE),
+        Check(
+            "assembly volume", deviation <= FILE_VOLUME_RELATIVE, deviation, FILE_VOLUME_RELATIVE
+        ),
         Check("assembly unit", content.unit == STEP_UNIT, content.unit, STEP_UNIT),
     ]

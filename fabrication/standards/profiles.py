@@ -162,7 +162,7 @@ def _hollow(
 def _tee(name: str, depth: float, width: float, thickness: float, rolled: bool) -> Profile:
     root = thickness if rolled else 0.0
     y, web, t = width / 2, thickness / 2, thickness
-    if web + root >= y or t + root >= depth:
+    if 2 * t >= min(depth, width) or web + root >= y or t + root >= depth:
         raise _unknown(name, f"thickness {t:g} mm leaves no web or flange")
     points = [(-web, -depth), (web, -depth), (web, -t - root)]
     bulges = [0.0, 0.0, -QUARTER if root else 0.0]

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import KernelError, OutputError
-from fabrication.checks.file import check_step_part, read_step
+from fabrication.checks.file import check_step_assembly, check_step_part, read_step
 from fabrication.export.step import COLOURS, LAYERS, Header, Material, Product, write_part
 from fabrication.export.step import write_assembly as write
 from fabrication.export.xcaf import (
@@ -96,6 +96,22 @@ def test_each_product_is_one_valid_solid_of_the_same_volume(assembly: Path) -> N
         assert product.report.closed
         assert product.report.valid
         assert product.report.volume == pytest.approx(np.prod(SIZES[product.name]), rel=1e-9)
+
+
+def test_the_check_of_an_assembly_passes_and_names_what_differs(assembly: Path) -> None:
+    expected = {m: (n, float(np.prod(SIZES[n])), placement) for n, m, placement in INSTANCES}
+    assert all(check.passed for check in check_step_assembly(assembly, expected))
+    number, volume, placement = expected["B-0003"]
+    moved = placement.copy()
+    moved[0, 3] += 1e-3
+    wrong = expected | {"B-0003": ("NP-001", volume * 1.01, moved)}
+    failed = {c.name: c.value for c in check_step_assembly(assembly, wrong) if not c.passed}
+    assert failed["assembly marks"] == "B-0003"
+    assert failed["assembly placements"] == pytest.approx(1e-3, rel=1e-3)
+    assert set(failed) == {"assembly marks", "assembly placements", "assembly volume"}
+    missing = expected | {"B-0009": (number, 0.0, placement)}
+    failed = {c.name: c.value for c in check_step_assembly(assembly, missing) if not c.passed}
+    assert failed == {"assembly instances": len(INSTANCES), "assembly marks": "B-0009"}
 
 
 def product_labels(path: Path) -> tuple[Any, dict[str, Any]]:
