@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -15,16 +14,13 @@ from fabrication.checks.mesh import measure_mesh
 from fabrication.checks.solid import SolidReport, inspect_solid
 from fabrication.export.stl import read_stl
 from fabrication.export.xcaf import components, free_labels, get_name, read_document
-from fabrication.specs import Check, Placement, TriangleMesh
+from fabrication.specs import Check, TriangleMesh
 
 FILE_VOLUME_RELATIVE: Final = 1e-7
 """How far a volume read back may be from the one written, relative to it (STEP's digits)."""
 
 STEP_UNIT: Final = "millimetre"
 """The length unit of every STEP file that we write, as OCCT's reader names it."""
-
-PLACEMENT_AWAY: Final = 1e-6
-"""How far an entry of a placement read back may be from the one written [1 or mm]."""
 
 STL_ROUNDING: Final = 2.0**-23
 """Greatest rounding of a coordinate in an STL (single precision), relative to its size."""
@@ -99,58 +95,6 @@ def check_step_part(
         Check("file name", names == number, names, number),
         Check("file unit", content.unit == STEP_UNIT, content.unit, STEP_UNIT),
         Check("file volume", total > 0 and deviation <= relative, deviation, relative),
-    ]
-
-
-def check_step_assembly(
-    path: Path,
-    expected: Mapping[str, tuple[str, float, Placement]],
-    *,
-    relative: float = FILE_VOLUME_RELATIVE,
-) -> list[Check]:
-    """The checks of an assembly's STEP file, read back.
-
-    Parameters
-    ----------
-    expected : by piece mark: part number, volume [mm3] and (4, 4) placement [mm]
-
-    Returns
-    -------
-    Checks "assembly readable", and if it is, "assembly instances" (their number), "assembly marks"
-    (the first mark that lacks or has another part number), "assembly placements" (greatest
-    deviation of a matrix entry [1 or mm]), "assembly one solid each", "assembly valid",
-    "assembly unit" and "assembly volume" (relative deviation of the sum over the instances).
-    """
-    try:
-        content = read_step(path)
-    except InputError as error:
-        return [Check("assembly readable", False, str(error))]
-    found = {mark: (number, placement) for number, mark, placement in content.instances}
-    wrong = [m for m, (number, _, _) in expected.items() if found.get(m, ("",))[0] != number]
-    away = max(
-        (
-            float(np.abs(found[mark][1] - placement).max())
-            for mark, (_, _, placement) in expected.items()
-            if mark in found
-        ),
-        default=0.0,
-    )
-    volumes = {product.name: product.report.volume for product in content.products}
-    total = sum(volumes[number] for number, _, _ in content.instances)
-    exact = sum(volume for _, volume, _ in expected.values())
-    deviation = abs(total - exact) / max(exact, 1e-300)
-    several = [p.name for p in content.products if p.report.solids != 1]
-    faulty = [p.name for p in content.products if not (p.report.valid and p.report.closed)]
-    count, wanted = len(content.instances), len(expected)
-    return [
-        Check("assembly readable", True),
-        Check("assembly instances", count == wanted == len(found), float(count), float(wanted)),
-        Check("assembly marks", not wrong, ", ".join(wrong[:3]) or None),
-        Check("assembly placements", away <= PLACEMENT_AWAY, away, PLACEMENT_AWAY),
-        Check("assembly one solid each", not several, ", ".join(several[:3]) or None),
-        Check("assembly valid", not faulty, ", ".join(faulty[:3]) or None),
-        Check("assembly unit", content.unit == STEP_UNIT, content.unit, STEP_UNIT),
-        Check("assembly volume", deviation <= relative, deviation, relative),
     ]
 
 
