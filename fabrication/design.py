@@ -32,6 +32,9 @@ Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] 
 """A project file, a mesh file, a mesh, (vertices, faces), or None for the built-in example."""
 
 
+EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
+"""The built-in example."""
+
 SHORTEST_MEDIAN_MM: Final = 20.0
 """A median edge below this [mm] means that the mesh is in another unit."""
 
@@ -146,14 +149,14 @@ def design(
     if isinstance(source, tuple):
         source = Mesh.build(*source)
     mesh = source if isinstance(source, Mesh) else None
-    project = find_project(None if isinstance(source, Mesh) else source, sections)
+    project = make_project(sections) if isinstance(source, Mesh) else find_project(source, sections)
     return design_net(project, load_net(project, mesh), progress)
 
 
 def find_project(source: str | Path | None, sections: Mapping[str, Mapping[str, Any]]) -> Project:
     """The project of a TOML or mesh file, or the built-in one, with `sections` changed."""
     if source is None:
-        return make_project(sections)
+        return load_project(EXAMPLE, sections)
     if Path(source).suffix.lower() == ".toml":
         return load_project(source, sections)
     return project_for_mesh(source, sections)

@@ -18,8 +18,8 @@ from fabrication.standards import nearest
 LATER = {"optimize": "optimising the mesh is not available yet; remove the section"}
 
 
-def load_project(path: str | Path) -> Project:
-    """The project in a TOML file, validated.
+def load_project(path: str | Path, changes: Mapping[str, Mapping[str, Any]] | None = None) -> Project:
+    """The project in a TOML file, validated; `changes` replaces single values, by section.
 
     Raises
     ------
@@ -39,6 +39,9 @@ def load_project(path: str | Path) -> Project:
         found = re.search(r"line (\d+)", str(error))
         line = int(found[1]) if found else text.count("\n") + 1
         raise ProjectError(f"is not TOML: {error}", file=str(file), line=line) from None
+    for section, keys in (changes or {}).items():
+        own = values.get(section, {})
+        values[section] = {**own, **keys} if isinstance(own, Mapping) else own
     return _project(values, file=file, text=text)
 
 

@@ -1,0 +1,1 @@
+"""The built-in example as a project file."""
