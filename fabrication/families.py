@@ -3,7 +3,7 @@
 Congruent means: a rigid motion that keeps the top side up takes one onto the other, corners within
 a tolerance. Beams of a symmetric profile may be turned end for end; panels and nodes about their
 normal or axis. Reflections, and parts turned upside down, count as different: glass has an outer
-surface, and nodes and beams carry theirs. Pieces beyond a limit never share a number with good ones.
+surface, and nodes and beams carry theirs. Pieces beyond a limit share no number with good ones.
 """
 
 from __future__ import annotations

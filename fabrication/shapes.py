@@ -158,18 +158,26 @@ def node_variants(pieces: Sequence[Piece]) -> Variants:
     holes = np.array([[hole.azimuth for hole in shape.holes] for shape in shapes])
     levels = np.array([[hole.z - shape.z0 for hole in shape.holes] for shape in shapes])
     depths = np.array([[_key(hole.depth) for hole in shape.holes] for shape in shapes])
-    rows = [(seats, first.radius), (holes, first.radius)]
     turnable = len(first.seats) in (0, count) and len(first.holes) in (0, count)
     points, turns = [], []
     for k in range(count if turnable and count else 1):
         start = (seats if seats.size else holes)[:, k] if turnable and count else np.zeros(n)
-        parts = [height]
-        for azimuth, radius in rows:
-            angle = np.roll(azimuth, -k, axis=1) - start[:, None] if azimuth.size else azimuth
-            parts += [radius * np.cos(angle), radius * np.sin(angle)]
-        parts += [np.roll(levels, -k, axis=1), np.roll(depths, -k, axis=1)]
-        points.append(np.hstack(parts)[..., None])
+        around = np.roll(seats, -k, axis=1) - start[:, None]
+        drilled = np.roll(holes, -k, axis=1) - start[:, None]
+        parts = [
+            _ring(0 * height, 0 * height, height),
+            _ring(first.radius, around, 0 * around),
+            _ring(first.radius, around, height + 0 * around),
+            _ring(first.radius, drilled, np.roll(levels, -k, axis=1)),
+            _ring(0 * drilled, drilled, np.roll(depths, -k, axis=1)),
+        ]
+        points.append(np.concatenate(parts, axis=1))
         turns.append(start)
     shift = np.zeros((n, len(turns), 3))
     shift[:, :, 2] = np.array([[shape.z0] for shape in shapes])
     return Variants(np.stack(points, axis=1), np.stack(turns, axis=1), shift)
+
+
+def _ring(radius: float | Floats, azimuth: Floats, z: Floats) -> Floats:
+    """(N, k, 3) points in cylinder coordinates, each coordinate (N, k) or one number."""
+    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=-1)

@@ -18,7 +18,9 @@ from fabrication.standards import nearest
 LATER = {"optimize": "optimising the mesh is not available yet; remove the section"}
 
 
-def load_project(path: str | Path, changes: Mapping[str, Mapping[str, Any]] | None = None) -> Project:
+def load_project(
+    path: str | Path, changes: Mapping[str, Mapping[str, Any]] | None = None
+) -> Project:
     """The project in a TOML file, validated; `changes` replaces single values, by section.
 
     Raises
