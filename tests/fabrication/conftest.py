@@ -1,0 +1,29 @@
+"""A small roof made once for all tests of the way from a mesh to files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from roofs import barrel
+
+from fabrication.design import Design, design
+from fabrication.pipeline import JobResult
+
+
+@pytest.fixture(scope="session")
+def small_design() -> Design:
+    """A barrel of 12 panels."""
+    return design(barrel(), project={"name": "barrel"})
+
+
+@pytest.fixture(scope="session")
+def small_job(small_design: Design, tmp_path_factory: pytest.TempPathFactory) -> JobResult:
+    """Its files, made in this process."""
+    return small_design.make(tmp_path_factory.mktemp("jobs") / "barrel")
+
+
+@pytest.fixture(scope="session")
+def small_folder(small_job: JobResult) -> Path:
+    """Where they are."""
+    return small_job.folder
