@@ -6,7 +6,7 @@ the triangle mesh, the closed-form volume (and STEP text) are all made from this
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +24,15 @@ kernel refuses plane faces whose vertices are 1e-6 mm off."""
 
 ON_SURFACE_AT = 1000.0
 """The size [mm] of a part that `ON_SURFACE` is stated for."""
+
+
+_YZX = [1, 2, 0]
+_ZXY = [2, 0, 1]
+
+
+def cross_rows(a: Floats, b: Floats) -> Floats:
+    """Vector products of the rows of (n, 3) arrays, several times faster than numpy's on few."""
+    return a[:, _YZX] * b[:, _ZXY] - a[:, _ZXY] * b[:, _YZX]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,7 +57,7 @@ class Boundary:
     face_radius : (F,) radius [mm] of the cylinder, 0 for a plane
     face_sign : (F,) +1 where the outward normal points away from the axis, -1 towards it; 1 for
         planes
-    loop_face : (L,) face of each loop
+    loop_face : (L,) face of each loop, in order of the faces
     loop_start : (L + 1,) first coedge of each loop
     coedges : (C,) the loops' coedges, loop after loop
     """
@@ -141,6 +150,21 @@ class Boundary:
             self.loop_face,
             self.loop_start,
             self.coedges,
+        )
+
+    def major_first(self) -> Boundary:
+        """The same boundary with the longer half-axis of every arc as its a."""
+        swap = np.einsum("ai,ai->a", self.arc_b, self.arc_b) > np.einsum(
+            "ai,ai->a", self.arc_a, self.arc_a
+        )
+        if not swap.any():
+            return self
+        pick = swap[:, None]
+        return replace(
+            self,
+            arc_a=np.where(pick, self.arc_b, self.arc_a),
+            arc_b=np.where(pick, -self.arc_a, self.arc_b),
+            arc_range=np.where(pick, self.arc_range - np.pi / 2.0, self.arc_range),
         )
 
     # --- what makes it a boundary ------------------------------------------------------------

@@ -11,8 +11,8 @@ import numpy as np
 
 from ddgfab.errors import KernelError
 from ddgfab.mesh import Floats
-from fabrication.solids.boundary import Boundary
-from fabrication.solids.builder import Vec, add, cross, dot, scale
+from fabrication.solids.boundary import Boundary, cross_rows
+from fabrication.solids.builder import Vec
 from fabrication.specs import Properties
 
 if TYPE_CHECKING:
@@ -33,9 +33,11 @@ ADAPTIVE = 1e-6
 SAME_RADIUS = 1e-12
 """Half-axes that differ by less than this part make a circle."""
 
-PCURVE_DEGREE = 13
-"""Degree of the polynomial that stands for a wave of up to half a turn in a cylinder's (u, v):
-off by less than 1e-10 of its height."""
+PCURVE_ERROR = 1e-10
+"""How far [mm] the polynomial that stands for a wave in a cylinder's (u, v) may be off."""
+
+PCURVE_DEGREES = (3, 21)
+"""Least and greatest degree of that polynomial; the kernel allows 25."""
 
 
 @lru_cache(maxsize=1)
@@ -87,17 +89,24 @@ def load_kernel() -> SimpleNamespace:
     return SimpleNamespace(**names)
 
 
-@lru_cache(maxsize=1)
-def _wave_basis() -> tuple[Floats, Floats]:
+@lru_cache(maxsize=32)
+def _wave_basis(n: int) -> tuple[Floats, Floats]:
     """Interpolation nodes on -1..1, and the matrix from values there to Bernstein coefficients."""
-    n = PCURVE_DEGREE
     nodes = np.cos((np.arange(n + 1) + 0.5) * math.pi / (n + 1))
+    # Exact ends: the curve must meet the vertices.
+    nodes[0], nodes[-1] = 1.0, -1.0
     s = (nodes + 1.0) / 2.0
     bernstein = np.array([math.comb(n, k) * s**k * (1.0 - s) ** (n - k) for k in range(n + 1)]).T
-    # Exact ends: the curve must meet the vertices.
-    bernstein[0], bernstein[-1] = np.eye(n + 1)[-1], np.eye(n + 1)[0]
-    nodes[0], nodes[-1] = 1.0, -1.0
     return nodes, np.linalg.inv(bernstein)
+
+
+def _wave_degree(height: float, half: float) -> int:
+    """Least degree that follows a wave of some height over 2 half [rad] (Chebyshev's bound)."""
+    n, error = 1, height * half * half / 4.0
+    while (n < PCURVE_DEGREES[0] or error > PCURVE_ERROR / 4.0) and n < PCURVE_DEGREES[1]:
+        n += 1
+        error *= half / (2.0 * (n + 1))
+    return n
 
 
 class _Topology:
@@ -105,63 +114,81 @@ class _Topology:
 
     def __init__(self, boundary: Boundary) -> None:
         self.k = load_kernel()
-        self.boundary = boundary
         self.builder = self.k.BRep_Builder()
-        self.ends = boundary.edges.tolist()
-        self.points: list[Vec] = [(x, y, z) for x, y, z in boundary.points.tolist()]
-        self.edge_arc = boundary.edge_arc.tolist()
-        self.arcs = [
-            self._major_first(
-                (c[0], c[1], c[2]), (a[0], a[1], a[2]), (b[0], b[1], b[2]), t[0], t[1]
-            )
-            for c, a, b, t in zip(
-                boundary.arc_centre.tolist(),
-                boundary.arc_a.tolist(),
-                boundary.arc_b.tolist(),
-                boundary.arc_range.tolist(),
-                strict=True,
-            )
-        ]
-        self.vertices = []
-        for point in self.points:
-            vertex = self.k.TopoDS_Vertex()
-            self.builder.MakeVertex(vertex, self.k.gp_Pnt(*point), TOLERANCE)
-            self.vertices.append(vertex)
-        self.reversed_vertices = [vertex.Reversed() for vertex in self.vertices]
-        self.edges = [self._edge(e) for e in range(len(self.ends))]
+        self.edge_arc: list[int] = boundary.edge_arc.tolist()
+        halves = np.stack([boundary.arc_a, boundary.arc_b], axis=1)
+        self.arc_size: list[list[float]] = np.sqrt(
+            np.einsum("aki,aki->ak", halves, halves)
+        ).tolist()
+        self.arc_range: list[list[float]] = boundary.arc_range.tolist()
+        self._make_edges(boundary)
+        self._place(boundary)
+
+    def _make_edges(self, boundary: Boundary) -> None:
+        k, build = self.k, self.builder
+        forward, backward = [], []
+        for point in boundary.points.tolist():
+            vertex = k.TopoDS_Vertex()
+            build.MakeVertex(vertex, k.gp_Pnt(*point), TOLERANCE)
+            forward.append(vertex)
+            backward.append(vertex.Reversed())
+        first = boundary.points[boundary.edges[:, 0]]
+        along = boundary.points[boundary.edges[:, 1]] - first
+        lengths = np.sqrt(np.einsum("ei,ei->e", along, along)).tolist()
+        normals = cross_rows(boundary.arc_a, boundary.arc_b).tolist()
+        centres, majors = boundary.arc_centre.tolist(), boundary.arc_a.tolist()
+        sizes = self.arc_size
+        self.edges: list[TopoDS_Edge] = []
+        for arc, (i, j), p, d, length in zip(
+            self.edge_arc,
+            boundary.edges.tolist(),
+            first.tolist(),
+            along.tolist(),
+            lengths,
+            strict=True,
+        ):
+            if arc < 0:
+                curve = k.Geom_Line(k.gp_Pnt(*p), k.gp_Dir(*d))
+                begin, end = 0.0, length
+            else:
+                begin, end = self.arc_range[arc]
+                frame = k.gp_Ax2(
+                    k.gp_Pnt(*centres[arc]), k.gp_Dir(*normals[arc]), k.gp_Dir(*majors[arc])
+                )
+                la, lb = sizes[arc]
+                if la - lb <= SAME_RADIUS * la:
+                    curve = k.Geom_Circle(frame, la)
+                else:
+                    curve = k.Geom_Ellipse(frame, la, lb)
+            edge = k.TopoDS_Edge()
+            build.MakeEdge(edge, curve, TOLERANCE)
+            build.Add(edge, forward[i])
+            build.Add(edge, backward[j])
+            build.Range(edge, begin, end)
+            self.edges.append(edge)
         self.reversed_edges = [edge.Reversed() for edge in self.edges]
 
-    @staticmethod
-    def _major_first(
-        c: Vec, a: Vec, b: Vec, t0: float, t1: float
-    ) -> tuple[Vec, Vec, Vec, float, float, float, float]:
-        """The arc with its longer half-axis first, and both lengths."""
-        la, lb = math.sqrt(dot(a, a)), math.sqrt(dot(b, b))
-        if lb <= la:
-            return c, a, b, t0, t1, la, lb
-        return c, b, scale(a, -1.0), t0 - math.pi / 2.0, t1 - math.pi / 2.0, lb, la
+    def _place(self, boundary: Boundary) -> None:
+        """Every coedge's point and direction, or centre and half-axes, in its face's frame.
 
-    def _edge(self, index: int) -> TopoDS_Edge:
-        k = self.k
-        i, j = self.ends[index]
-        if self.edge_arc[index] < 0:
-            p, q = self.points[i], self.points[j]
-            along = add(q, p, -1.0)
-            first, last = 0.0, math.sqrt(dot(along, along))
-            curve = k.Geom_Line(k.gp_Pnt(*p), k.gp_Dir(*along))
+        A frame is xdir, the direction that makes a right hand with it and the axis, and the axis.
+        """
+        face, edge = boundary.coedge_face, boundary.coedge_edge
+        xdir, axis = boundary.face_xdir, boundary.face_axis
+        frames = np.stack([xdir, cross_rows(axis, xdir), axis], axis=1)[face]
+        arc = boundary.edge_arc[edge]
+        curved = (arc >= 0)[:, None]
+        start, end = boundary.points[boundary.edges[edge]].transpose(1, 0, 2)
+        if len(boundary.arc_centre):
+            origin = np.where(curved, boundary.arc_centre[arc], start)
+            one = np.where(curved, boundary.arc_a[arc], end - start)
+            two = np.where(curved, boundary.arc_b[arc], 0.0)
         else:
-            c, a, b, first, last, la, lb = self.arcs[self.edge_arc[index]]
-            frame = k.gp_Ax2(k.gp_Pnt(*c), k.gp_Dir(*cross(a, b)), k.gp_Dir(*a))
-            if la - lb <= SAME_RADIUS * la:
-                curve = k.Geom_Circle(frame, la)
-            else:
-                curve = k.Geom_Ellipse(frame, la, lb)
-        edge = k.TopoDS_Edge()
-        self.builder.MakeEdge(edge, curve, TOLERANCE)
-        self.builder.Add(edge, self.vertices[i])
-        self.builder.Add(edge, self.reversed_vertices[j])
-        self.builder.Range(edge, first, last)
-        return edge
+            origin, one, two = start, end - start, np.zeros_like(start)
+        stacked = np.stack([origin - boundary.face_origin[face], one, two], axis=1)
+        self.placed: list[tuple[Vec, Vec, Vec]] = np.einsum(
+            "cij,ckj->cki", frames, stacked
+        ).tolist()
 
     def face(
         self,
@@ -170,76 +197,76 @@ class _Topology:
         radius: float,
         sign: float,
         loops: list[list[int]],
+        first: int,
     ) -> TopoDS_Face:
-        """The face with its wires, oriented outward."""
-        k = self.k
+        """The face with its wires, oriented outward; first: number of its first coedge."""
+        k, build = self.k, self.builder
         origin, axis, xdir = frame
         ax3 = k.gp_Ax3(k.gp_Pnt(*origin), k.gp_Dir(*axis), k.gp_Dir(*xdir))
         surface = k.Geom_CylindricalSurface(ax3, radius) if curved else k.Geom_Plane(ax3)
         face = k.TopoDS_Face()
-        self.builder.MakeFace(face, surface, TOLERANCE)
+        build.MakeFace(face, surface, TOLERANCE)
+        place = first
+        pcurve = self._on_cylinder if curved else self._on_plane
         for loop in loops:
             wire = k.TopoDS_Wire()
-            self.builder.MakeWire(wire)
+            build.MakeWire(wire)
             for coedge in loop:
                 # Inside a reversed face everything is turned over, so it is put in turned over.
                 forward = (coedge >= 0) == (sign > 0.0)
                 index = coedge if coedge >= 0 else ~coedge
-                self.builder.Add(wire, (self.edges if forward else self.reversed_edges)[index])
-                if curved:
-                    self._pcurve(index, face, frame, radius)
-            self.builder.Add(face, wire)
+                build.Add(wire, (self.edges if forward else self.reversed_edges)[index])
+                curve = pcurve(self.edge_arc[index], *self.placed[place])
+                build.UpdateEdge(self.edges[index], curve, face, TOLERANCE)
+                place += 1
+            wire.Closed(True)
+            build.Add(face, wire)
         return face if sign > 0.0 else face.Reversed()
 
-    def _pcurve(
-        self, index: int, face: TopoDS_Face, frame: tuple[Vec, Vec, Vec], radius: float
-    ) -> None:
-        """Give an edge its curve in a cylinder face's (u, v), with the edge's own parameter."""
+    def _on_plane(self, arc: int, origin: Vec, one: Vec, two: Vec) -> Any:
+        """Curve of an edge in a plane's (u, v). The kernel could do without, but its check, which
+        would project every edge again and again, takes half as long with it."""
         k = self.k
-        origin, axis, xdir = frame
-        ydir = cross(axis, xdir)
-        if self.edge_arc[index] < 0:
-            p, q = (add(self.points[i], origin, -1.0) for i in self.ends[index])
-            u = math.atan2(dot(p, ydir), dot(p, xdir)) % (2.0 * math.pi)
-            v = dot(p, axis)
-            curve = k.Geom2d_Line(
-                k.gp_Pnt2d(u, v), k.gp_Dir2d(0.0, 1.0 if dot(q, axis) > v else -1.0)
-            )
-        else:
-            c, a, b, t0, t1, _, _ = self.arcs[self.edge_arc[index]]
-            middle = 0.5 * (t0 + t1)
-            radial = add(scale(a, math.cos(middle)), b, math.sin(middle))
-            u = math.atan2(dot(radial, ydir), dot(radial, xdir)) % (2.0 * math.pi)
-            turn = 1.0 if dot(cross(a, b), axis) > 0.0 else -1.0
-            v, va, vb = dot(add(c, origin, -1.0), axis), dot(a, axis), dot(b, axis)
-            if abs(va) + abs(vb) <= TOLERANCE * 1e-3:
-                curve = k.Geom2d_Line(k.gp_Pnt2d(u - turn * middle, v), k.gp_Dir2d(turn, 0.0))
-            else:
-                curve = self._wave(u, turn, (v, va, vb), t0, t1)
-        self.builder.UpdateEdge(self.edges[index], curve, face, TOLERANCE)
+        point = k.gp_Pnt2d(origin[0], origin[1])
+        direction = k.gp_Dir2d(one[0], one[1])
+        if arc < 0:
+            return k.Geom2d_Line(point, direction)
+        left = one[0] * two[1] > one[1] * two[0]
+        frame = k.gp_Ax22d(point, direction, left)
+        la, lb = self.arc_size[arc]
+        if la - lb <= SAME_RADIUS * la:
+            return k.Geom2d_Circle(frame, la)
+        return k.Geom2d_Ellipse(frame, la, lb)
 
-    def _wave(
-        self, u: float, turn: float, wave: tuple[float, float, float], t0: float, t1: float
-    ) -> Any:
-        """Curve (u + turn (t - middle), v + va cos t + vb sin t) for t in t0..t1."""
-        k, n = self.k, PCURVE_DEGREE
-        nodes, matrix = _wave_basis()
-        half, middle = 0.5 * (t1 - t0), 0.5 * (t0 + t1)
+    def _on_cylinder(self, arc: int, origin: Vec, one: Vec, two: Vec) -> Any:
+        """Curve of an edge in a cylinder's (u, v), with the edge's own parameter."""
+        k = self.k
+        x, y, v = origin
+        if arc < 0:
+            u = math.atan2(y, x) % (2.0 * math.pi)
+            return k.Geom2d_Line(k.gp_Pnt2d(u, v), k.gp_Dir2d(0.0, 1.0 if one[2] > 0.0 else -1.0))
+        t0, t1 = self.arc_range[arc]
+        middle, half = 0.5 * (t0 + t1), 0.5 * (t1 - t0)
+        c, s = math.cos(middle), math.sin(middle)
+        u = math.atan2(c * one[1] + s * two[1], c * one[0] + s * two[0]) % (2.0 * math.pi)
+        turn = 1.0 if one[0] * two[1] > one[1] * two[0] else -1.0
+        height = math.hypot(one[2], two[2])
+        if height <= PCURVE_ERROR:
+            return k.Geom2d_Line(k.gp_Pnt2d(u - turn * middle, v), k.gp_Dir2d(turn, 0.0))
+        # (u + turn (t - middle), v + one cos t + two sin t) for t in t0..t1, as a polynomial.
+        n = _wave_degree(height, half)
+        nodes, matrix = _wave_basis(n)
         t = middle + half * nodes
-        heights = (matrix @ (wave[0] + wave[1] * np.cos(t) + wave[2] * np.sin(t))).tolist()
+        heights = (matrix @ (v + one[2] * np.cos(t) + two[2] * np.sin(t))).tolist()
         poles = k.TColgp_Array1OfPnt2d(1, n + 1)
-        for i, v in enumerate(heights):
-            poles.SetValue(i + 1, k.gp_Pnt2d(u + turn * half * (2.0 * i / n - 1.0), v))
+        for i, h in enumerate(heights):
+            poles.SetValue(i + 1, k.gp_Pnt2d(u + turn * half * (2.0 * i / n - 1.0), h))
         knots = k.TColStd_Array1OfReal(1, 2)
         knots.SetValue(1, t0)
         knots.SetValue(2, t1)
         counts = k.TColStd_Array1OfInteger(1, 2)
         counts.Init(n + 1)
         return k.Geom2d_BSplineCurve(poles, knots, counts, n)
-
-
-def _triples(rows: Floats) -> list[Vec]:
-    return [(x, y, z) for x, y, z in rows.tolist()]
 
 
 def solid_from(boundary: Boundary) -> TopoDS_Solid:
@@ -250,21 +277,24 @@ def solid_from(boundary: Boundary) -> TopoDS_Solid:
     KernelError
         The kernel is missing or of another build.
     """
-    topology = _Topology(boundary)
+    topology = _Topology(boundary.major_first())
     builder, k = topology.builder, topology.k
     shell = k.TopoDS_Shell()
     builder.MakeShell(shell)
+    first = 0
     for curved, origin, axis, xdir, radius, sign, loops in zip(
         boundary.face_cylinder.tolist(),
-        _triples(boundary.face_origin),
-        _triples(boundary.face_axis),
-        _triples(boundary.face_xdir),
+        boundary.face_origin.tolist(),
+        boundary.face_axis.tolist(),
+        boundary.face_xdir.tolist(),
         boundary.face_radius.tolist(),
         boundary.face_sign.tolist(),
         boundary.face_loops(),
         strict=True,
     ):
-        builder.Add(shell, topology.face(curved, (origin, axis, xdir), radius, sign, loops))
+        frame = (origin, axis, xdir)
+        builder.Add(shell, topology.face(curved, frame, radius, sign, loops, first))
+        first += sum(map(len, loops))
     shell.Closed(True)
     solid = k.TopoDS_Solid()
     builder.MakeSolid(solid)

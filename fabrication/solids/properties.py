@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrication.solids.boundary import Boundary
+from fabrication.solids.boundary import Boundary, cross_rows
 from fabrication.solids.section import GAUSS_NODES, gauss
 from fabrication.specs import Properties
 
@@ -40,12 +40,12 @@ def properties(boundary: Boundary) -> Properties:
     sign = boundary.face_sign[face]
     axis, xdir = boundary.face_axis[face], boundary.face_xdir[face]
     # v runs along d: the axis of a cylinder, the second direction of a plane.
-    d = np.where(round_face[:, None], axis, np.cross(axis, xdir))
+    d = np.where(round_face[:, None], axis, cross_rows(axis, xdir))
     origin = boundary.face_origin[face] - middle
     away = point - origin[:, None]
     v = np.einsum("cgi,ci->cg", away, d)
     base = point - v[..., None] * d[:, None]
-    across = np.where(round_face[:, None], np.cross(axis, xdir), 0.0)
+    across = np.where(round_face[:, None], cross_rows(axis, xdir), 0.0)
     radius = np.where(round_face, boundary.face_radius[face], 1.0)
     x, y = np.einsum("cgi,ci->cg", away, xdir), np.einsum("cgi,ci->cg", away, across)
     dx, dy = np.einsum("cgi,ci->cg", step, xdir), np.einsum("cgi,ci->cg", step, across)
