@@ -13,7 +13,7 @@ from fabrication.detailing.beams import beam_specs, end_cuts
 from fabrication.detailing.clearance import panel_offset, steel_heights
 from fabrication.detailing.frames import Axes, arms_of, edge_frames, node_mark
 from fabrication.detailing.nodes import end_heights, node_ends, node_specs
-from fabrication.detailing.panels import face_planes, panel_specs
+from fabrication.detailing.panels import face_planes, not_flat, panel_specs
 from fabrication.detailing.radius import NodeSize, close_arms, node_size
 from fabrication.project import Project, make_project
 from fabrication.specs import Beam, Check, Node, Panel, Piece
@@ -104,6 +104,7 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
         heights = steel_heights(mesh, axes, planes, frames, ends[1], size, profile, project)
         offset, problem = panel_offset(heights, project)
         panels = panel_specs(mesh, planes, frames, offset, project)
-    found = (close_arms(arms, project.checks.min_angle_deg), problem)
+    close = close_arms(arms, project.checks.min_angle_deg)
+    found = (close, problem, not_flat(mesh, panels))
     problems = tuple(sentence for sentence in found if sentence is not None)
     return Gridshell(mesh, support, project, beams, nodes, panels, size, offset, problems)

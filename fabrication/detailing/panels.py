@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ddgfab.measures import dihedral_angles, planarity, planarity_percent
 from ddgfab.mesh import Floats, Mesh, unit
-from fabrication.detailing.frames import EdgeFrames, listed, panel_mark
+from fabrication.detailing.frames import NAMED, EdgeFrames, listed, panel_mark
 from fabrication.detailing.outline import least_rectangle
 from fabrication.project.models import Project
 from fabrication.specs import Check, Panel, PanelShape, Side
@@ -259,6 +259,36 @@ def _planarity_checks(height: float, percent: float, project: Project) -> tuple[
         return (first,)
     second = Check("planarity_mm", height <= limits.planarity_mm, height, limits.planarity_mm)
     return first, second
+
+
+def not_flat(mesh: Mesh, panels: Sequence[Panel]) -> str | None:
+    """What the planarity of the panels beyond their limit means in mm, worst first; or None."""
+    failed = [
+        panel
+        for panel in panels
+        if not all(check.passed for check in panel.checks if check.name.startswith("planarity"))
+    ]
+    if not failed:
+        return None
+    failed.sort(key=lambda panel: (-panel.planarity_percent, panel.face))
+    named = [
+        f"{panel.mark} {panel.planarity_percent:.2f} % is {panel.planarity_mm:.1f} mm from its "
+        f"plane, a corner lift of {corner_lift(mesh, panel.face):.1f} mm ({panel.planarity_class})"
+        for panel in failed[:NAMED]
+    ]
+    bent = sum(panel.planarity_class == "cold-bend" for panel in failed)
+    reject = sum(panel.planarity_class == "reject" for panel in failed)
+    return (
+        f"{len(failed)} panels are not flat, {bent} of them for cold bending, {reject} beyond "
+        f"that; their plane panes are drawn for study: {'; '.join(named)}"
+    )
+
+
+def corner_lift(mesh: Mesh, face: int) -> float:
+    """Greatest distance [mm] of a corner from the plane of the three before it."""
+    p = mesh.vertices[mesh.face(face)]
+    a, b, c = (np.roll(p, k, axis=0) for k in (3, 2, 1))
+    return float(np.abs(np.einsum("ki,ki->k", p - a, unit(np.cross(b - a, c - a)))).max())
 
 
 def _checks(mesh: Mesh, inner: Floats, outer: Floats, project: Project) -> list[Check]:

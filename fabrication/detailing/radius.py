@@ -18,6 +18,10 @@ LEAST_WALL: Final = 2.0
 """Wall [mm] that a seat must leave of a tube."""
 
 
+RADIUS_SLACK: Final = 1e-6
+"""A radius [mm] may fall short of the need by this, so that noise forces no larger node."""
+
+
 @dataclass(frozen=True)
 class NodeSize:
     """Dimensions that all nodes share [mm].
@@ -91,8 +95,8 @@ def node_size(arms: Arms, profile: Profile, project: Project) -> NodeSize:
             f"[node] series_mm"
         )
     size = _size(settings.diameter_mm, needed, int(arms.node[worst]), profile, project)
-    if size.radius < needed:
-        bad = np.flatnonzero(needs > size.radius)
+    if size.radius < needed - RADIUS_SLACK:
+        bad = np.flatnonzero(needs > size.radius + RADIUS_SLACK)
         bad = bad[np.argsort(-needs[bad], kind="stable")]
         raise listed(
             [f"{_forced(arms, k)}, which needs {2 * needs[k]:.1f} mm" for k in bad.tolist()],
@@ -117,7 +121,7 @@ def _size(
 
 def _misfit(size: NodeSize, project: Project) -> str:
     """Why a size does not do, or an empty string."""
-    if size.radius < size.needed:
+    if size.radius < size.needed - RADIUS_SLACK:
         return f"diameter {2 * size.radius:g} mm is less than {2 * size.needed:.1f} mm"
     if project.node.kind == "tube" and size.bore <= 0:
         return (

@@ -146,6 +146,9 @@ def test_planarity_classes_and_limits() -> None:
     bent = lifted(40.0)
     assert bent.panels[0].planarity_class == "cold-bend"
     assert [(m, c.name) for m, c in bent.failures()] == [("P-0000", "planarity_percent")]
+    assert "1 panels are not flat, 1 of them for cold bending" in bent.problems[0]
+    assert "P-0000 0.94 % is 10.0 mm from its plane, a corner lift of 40.0 mm" in bent.problems[0]
+    assert flat.problems == ()
     assert not list(lifted(40.0, checks={"accept": "cold-bend"}).failures())
     assert lifted(45.0).panels[0].planarity_class == "reject"
     assert list(lifted(45.0, checks={"accept": "cold-bend"}).failures())

@@ -40,6 +40,15 @@ def test_full_file(tmp_path: Path) -> None:
     assert "RHS 120x60x5" in repr(project)
 
 
+def test_changes_on_the_command_line_replace_single_values(tmp_path: Path) -> None:
+    path = tmp_path / "job.toml"
+    path.write_text(NET + '[output]\njobs = 3\nauthor = "A"\n', encoding="utf-8")
+    output = load_project(path, {"output": {"jobs": 1}, "panel": {"kind": "none"}}).output
+    assert (output.jobs, output.author) == (1, "A")
+    with pytest.raises(ProjectError, match="jobs"):
+        load_project(path, {"output": {"jobs": -1}})
+
+
 def test_defaults_for_a_mesh() -> None:
     project = project_for_mesh("some/roof.off")
     assert project.name == "roof"
