@@ -14,13 +14,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ddgfab.mesh import Floats
+from fabrication.checks.crossing import crossings
 from fabrication.specs import Check, TriangleMesh
 
 VOLUME_ROUNDING: Final = 1e-9
 """Relative slack of a mesh's volume for rounding, beside what the chord tolerance gives."""
-
-CROSSING_RELATIVE: Final = 1e-6
-"""How far the volume of a body merged with itself may be from the body's, relative to it."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +73,7 @@ def check_mesh(
     area: float,
     chord: float,
     genus: int = 0,
-    crossings: bool = True,
+    self_crossing: bool = True,
 ) -> list[Check]:
     """The checks of one part's mesh.
 
@@ -85,18 +83,17 @@ def check_mesh(
     chord : greatest distance [mm] of the mesh from the exact surface; bounds the volume's error by
         area * chord
     genus : expected number of through holes and handles
-    crossings : also look for self-crossing by merging the mesh with itself (0.1 ms and more)
+    self_crossing : also look for triangles that go through each other
 
     Returns
     -------
     Checks "mesh manifold" (manifold3d's status), "mesh watertight", "mesh components",
     "mesh outward" (volume > 0), "mesh genus", "mesh volume" (deviation [mm3] against its bound),
-    "mesh crossings" (deviation [mm3] between the mesh's and the merged body's volume).
+    "mesh crossings" (pairs of triangles that go through each other).
     """
     report = measure_mesh(mesh)
     bound = area * chord + VOLUME_ROUNDING * abs(volume)
-    body = to_manifold(mesh)
-    status = body.status().name
+    status = to_manifold(mesh).status().name
     deviation = abs(report.volume - volume)
     checks = [
         Check("mesh manifold", status == "NoError", status, "NoError"),
@@ -106,8 +103,9 @@ def check_mesh(
         Check("mesh genus", report.genus == genus, float(report.genus), float(genus)),
         Check("mesh volume", deviation <= bound, deviation, bound),
     ]
-    if crossings:
-        checks.append(_crossings(body, report, status == "NoError" and report.watertight))
+    if self_crossing:
+        found = float(len(crossings(mesh)))
+        checks.append(Check("mesh crossings", found == 0, found, 0.0))
     return checks
 
 
@@ -131,16 +129,3 @@ def _integrals(mesh: TriangleMesh) -> tuple[float, float]:
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     volume = float(np.einsum("ij,ij->", corners[:, 0], cross)) / 6.0
     return volume, float(np.linalg.norm(cross, axis=1).sum()) / 2.0
-
-
-def _crossings(body: Any, report: MeshReport, usable: bool) -> Check:
-    """Whether the body merged with itself keeps its volume.
-
-    A proper body does so exactly. Where a mesh winds twice or backwards around some region, as all
-    overlapping shells and self-crossing bodies do, the merged body is another one.
-    """
-    limit = CROSSING_RELATIVE * abs(report.volume)
-    if not usable:
-        return Check("mesh crossings", False, "no closed manifold to look at", limit)
-    deviation = abs(float((body + body).volume()) - report.volume)
-    return Check("mesh crossings", deviation <= limit, deviation, limit)

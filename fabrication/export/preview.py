@@ -38,6 +38,7 @@ _LOOK: Final[dict[str, dict[str, float]]] = {
 _PANE: Final = (0.42, 0.76, 0.78)  # deeper than the role's colour, as it is mixed with white
 _MARGIN: Final = 1.06  # how much wider than the model the picture is
 _FLAT: Final = 0.08  # a model lower than this part of its width is looked at from higher up
+_DROP: Final = 0.02  # how far the ground lies below the model, as a part of its height
 _SHADOW: Final = 0.86  # grey of the ground where the sun does not reach, 1 is white
 _ADVICE: Final = "; on Linux without a display VTK needs libEGL or libOSMesa (apt install libegl1)"
 
@@ -120,7 +121,7 @@ def merged_by_look(
     for family in families:
         mesh = meshes[family.number]
         for instance in family.instances:
-            look = FAILED if instance.mark in failed else family.role
+            look: str = FAILED if instance.mark in failed else family.role
             motion = instance.placement
             placed = mesh.vertices @ motion[:3, :3].T + motion[:3, 3]
             pieces[look].append((placed, mesh.triangles))
@@ -178,7 +179,8 @@ def _rendered(pyvista: Any, merged: dict[str, tuple[Floats, Ints]], size: tuple[
 
     from PIL import Image
 
-    every = np.concatenate([vertices for vertices, _ in merged.values()])
+    ground = _ground(merged)
+    every = np.concatenate([vertices for vertices, _ in (*merged.values(), ground)])
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="none")
     try:
         plotter.set_background("white")
@@ -192,9 +194,15 @@ def _rendered(pyvista: Any, merged: dict[str, tuple[Floats, Ints]], size: tuple[
                 smooth_shading=False,
                 **_LOOK[look],
             )
-        plotter.add_mesh(
-            _ground_shadow(pyvista, merged), color=[_SHADOW] * 3, lighting=False, pickable=False
-        )
+        if "beam" in merged:  # at least a pixel wide, also where a thin bar is seen from its edge
+            plotter.add_mesh(
+                _poly_data(pyvista, *merged["beam"]),
+                color=COLOURS["beam"],
+                style="wireframe",
+                line_width=1,
+                lighting=False,
+            )
+        plotter.add_mesh(_poly_data(pyvista, *ground), color=[_SHADOW] * 3, lighting=False)
         position, focus, up = camera(every, size)
         for offset, strength in (((0.9, -0.6, 1.6), 0.85), ((-1.2, -0.8, 0.6), 0.35)):
             light = pyvista.Light(light_type="scene light", intensity=strength)
@@ -221,15 +229,14 @@ def _poly_data(pyvista: Any, vertices: Floats, triangles: Ints) -> Any:
     return pyvista.PolyData(vertices.astype(np.float32), faces.ravel())
 
 
-def _ground_shadow(pyvista: Any, merged: dict[str, tuple[Floats, Ints]]) -> Any:
-    """All parts flattened on the ground a little below the model: what a high sun would draw."""
-    low = min(float(vertices[:, 2].min()) for vertices, _ in merged.values())
-    high = max(float(vertices[:, 2].max()) for vertices, _ in merged.values())
-    ground = low - 0.02 * (high - low)
-    whole = None
-    for vertices, triangles in merged.values():
-        flat = vertices.copy()
-        flat[:, 2] = ground
-        piece = _poly_data(pyvista, flat, triangles)
-        whole = piece if whole is None else whole.append_polydata(piece)
-    return whole
+def _ground(merged: dict[str, tuple[Floats, Ints]]) -> tuple[Floats, Ints]:
+    """All parts flattened on the ground a little below the model: the shadow of a high sun."""
+    vertices = np.concatenate([v for v, _ in merged.values()])
+    counts = [len(v) for v, _ in merged.values()]
+    starts = np.cumsum([0, *counts[:-1]])
+    triangles = np.concatenate(
+        [t + start for start, (_, t) in zip(starts, merged.values(), strict=True)]
+    )
+    low, high = vertices[:, 2].min(), vertices[:, 2].max()
+    vertices[:, 2] = low - _DROP * (high - low)
+    return vertices, triangles
