@@ -77,6 +77,11 @@ def node_is_exact(shape: NodeShape) -> bool:
     return all(drill.exact for drill in drills(shape))
 
 
+def seat_order(shape: NodeShape) -> list[int]:
+    """The seats counterclockwise."""
+    return sorted(range(len(shape.seats)), key=lambda k: shape.seats[k].azimuth % (2.0 * math.pi))
+
+
 def node_section(shape: NodeShape) -> tuple[Loop, ...]:
     """Outline of the node across its axis, with the bore as a second loop.
 
@@ -96,7 +101,7 @@ def node_section(shape: NodeShape) -> tuple[Loop, ...]:
                 f"seat {k} at {seat.distance:.6g} mm from the axis is outside the wall, "
                 f"{shape.bore:.6g} to {shape.radius:.6g} mm: widen the node"
             )
-    order = sorted(range(len(shape.seats)), key=lambda k: shape.seats[k].azimuth % (2 * math.pi))
+    order = seat_order(shape)
     points: list[tuple[float, float]] = []
     bulges: list[float] = []
 
@@ -245,6 +250,9 @@ def node_boundary(shape: NodeShape, *, blank: bool = False) -> Boundary:
     section = [segments(loop) for loop in node_section(shape)]
     found = drills(shape)
     check_holes(shape, found)
+    # The lines of the outline are the seats, in order of azimuth.
+    flats = [k for k, segment in enumerate(section[0]) if segment.turn == 0.0]
+    order = seat_order(shape)
     builder = BoundaryBuilder()
     side_holes: dict[tuple[int, int], list[Coedges]] = {}
     for drill in found:
@@ -256,7 +264,7 @@ def node_boundary(shape: NodeShape, *, blank: bool = False) -> Boundary:
         c, s = math.cos(seat.azimuth), math.sin(seat.azimuth)
         mouth = (seat.distance * c, seat.distance * s, hole.z)
         bottom = (drill.bottom * c, drill.bottom * s, hole.z)
-        side = _seat_side(shape, drill.seat)
+        side = flats[order.index(drill.seat)]
         loop = builder.blind_hole(mouth, bottom, (0.0, 0.0, 1.0), hole.diameter / 2.0)
         side_holes.setdefault((0, side), []).append(loop)
     top: list[Coedges] = []
@@ -273,10 +281,3 @@ def node_boundary(shape: NodeShape, *, blank: bool = False) -> Boundary:
     start, end = End(shape.z0, 0.0, None, -1.0), End(shape.z1, 0.0, None, 1.0)
     sweep(builder, frame, section, start, end, side_holes, top)
     return builder.build()
-
-
-def _seat_side(shape: NodeShape, seat: int) -> int:
-    """Segment of the outline that is a seat: the lines come in order of azimuth."""
-    order = sorted(range(len(shape.seats)), key=lambda k: shape.seats[k].azimuth % (2 * math.pi))
-    outline = node_section(shape)[0]
-    return int(np.flatnonzero(outline.bulges == 0.0)[order.index(seat)])
