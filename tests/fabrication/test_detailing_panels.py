@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,10 @@ from detailing_cases import Case, central, dome, grid, hexagons, placed, vertica
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats, Mesh
 from fabrication.detailing import Gridshell
+from fabrication.detailing.clearance import steel_heights
+from fabrication.detailing.frames import edge_frames
 from fabrication.detailing.outline import area, least_rectangle, turns
+from fabrication.detailing.panels import face_planes
 from fabrication.specs import Panel
 
 
@@ -106,6 +110,32 @@ def test_panes_lie_above_their_faces_and_clear_the_steel() -> None:
                 highest = max(highest, float(((points - centre) @ normal).max()))
         # 3 mm are kept, and the next lower multiple of 5 mm would not keep them
         assert -8 - 1e-2 < highest <= -3 + 1e-9
+
+
+def test_steel_includes_the_near_flank_of_wide_beams() -> None:
+    # Nodes shrunk to nothing: what is left are the top edges of the beams on the face's side.
+    case = dome()
+    shell = case.detail(beam={"profile": "FL 60x40"})
+    frames, planes = edge_frames(case.mesh, case.axes), face_planes(case.mesh)
+    heights = steel_heights(
+        case.mesh,
+        case.axes,
+        planes,
+        frames,
+        np.full(case.mesh.n_vertices, -1e3),
+        replace(shell.size, radius=0.0),
+        shell.beams[0].shape.profile,
+        shell.project,
+    )
+    for panel in shell.panels:
+        tops = []
+        for s in panel.sides:
+            beam = shell.beams[s.edge]
+            half = 20.0 if case.mesh.edge_faces[s.edge, 0] == panel.face else -20.0
+            points = placed(beam.placement, np.array([[0, half, 0], [beam.length_axis, half, 0]]))
+            tops += ((points - planes.origin[panel.face]) @ planes.z[panel.face]).tolist()
+        assert heights[panel.face] == pytest.approx(max(tops))
+        assert max(tops) > 0.1
 
 
 def test_offset_is_capped_and_said() -> None:

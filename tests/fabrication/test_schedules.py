@@ -13,7 +13,7 @@ import pytest
 from detailing_cases import dome, fan, grid, vertical
 
 from ddgfab.errors import DdgError
-from ddgfab.mesh import unit
+from ddgfab.mesh import Mesh, unit
 from fabrication.families import families
 from fabrication.schedules import beam_rows, family_masses, node_rows, panel_rows, schedules
 from fabrication.table import Table
@@ -110,9 +110,15 @@ def test_turned_beams_list_the_ends_of_the_shared_shape() -> None:
 
 @pytest.mark.parametrize("end", ["flat", "cope"])
 def test_azimuths_count_from_the_mark_of_the_part_in_hand(end: str) -> None:
-    case = vertical(grid(3, 3))
+    # A skew lattice with shuffled faces, so that the nodes' first arms lie differently.
+    lattice = grid(4, 4)
+    skew = lattice.vertices @ np.array([[1, 0, 0], [0.4, 1, 0], [0, 0, 1.0]])
+    order = np.random.default_rng(5).permutation(lattice.n_faces)
+    case = vertical(Mesh.build(skew, [lattice.face(f) for f in order]))
     shell = case.detail(beam={"end": end})
     found = families(shell.pieces)
+    inside = {n.mark for n in shell.nodes if len(n.arms) == 4}
+    assert sum(inside <= {i.mark for i in f.instances} for f in found) == 1
     rows = {r["mark"]: r for r in node_rows(shell, found, family_masses(found, shell.project))}
     seen = 0
     for family in found:
@@ -129,7 +135,7 @@ def test_azimuths_count_from_the_mark_of_the_part_in_hand(end: str) -> None:
                 a = math.radians(azimuth)
                 assert np.allclose(instance.placement[:3, :3] @ [math.cos(a), math.sin(a), 0], away)
                 seen += 1
-    assert seen == 48
+    assert seen == 80
 
 
 def test_sides_of_turned_panels_match_their_edges() -> None:
@@ -145,6 +151,23 @@ def test_sides_of_turned_panels_match_their_edges() -> None:
                 assert row[f"edge_{k}_mm"] == pytest.approx(lengths[row[f"neighbour_{k}"]], abs=80)
 
 
+def test_a_turned_panel_lists_its_neighbour_at_the_right_side() -> None:
+    # A scalene quad and its copy turned by half a turn about the middle of side 1-2, which is
+    # 1118 mm long and no other side is; the copy's corners are listed from another one.
+    quad = np.array([[0, 0, 0], [1500, 0, 0], [1000, 1000, 0], [-300, 900, 0.0]])
+    copy = quad[1] + quad[2] - quad
+    mesh = Mesh.build(np.vstack([quad, copy[[3, 0]]]), [[0, 1, 2, 3], [2, 1, 4, 5]])
+    shell = vertical(mesh).detail()
+    found = families(shell.pieces)
+    rows = panel_rows(shell, found, family_masses(found, shell.project))
+    assert [row["number"] for row in rows] == ["PP-001", "PP-001"]
+    for row, other in zip(rows, ["P-0001", "P-0000"], strict=True):
+        k = next(k for k in range(1, 5) if row[f"neighbour_{k}"] is not None)
+        assert row[f"neighbour_{k}"] == other
+        lengths = [row[f"edge_{j}_mm"] for j in range(1, 5)]
+        assert lengths[k - 1] == min(lengths, key=lambda length: abs(length - 1118))
+
+
 def test_masses_once_per_number() -> None:
     shell = vertical(grid(3, 3)).detail()
     found = families(shell.pieces)
@@ -154,8 +177,6 @@ def test_masses_once_per_number() -> None:
 
 
 def test_mixed_polygons_leave_missing_sides_empty() -> None:
-    from ddgfab.mesh import Mesh
-
     v = [[0, 0, 0], [1500, 0, 0], [1500, 1500, 0], [0, 1500, 0], [2500, 750, 0]]
     shell = vertical(Mesh.build(v, [[0, 1, 2, 3], [1, 4, 2]])).detail()
     row = schedules(shell)["panels"][1]
