@@ -125,7 +125,7 @@ def check_command(
     """Is each file closed and valid, and what is its volume?"""
     failed = False
     with _errors(debug):
-        from fabrication.checks.file import inspect_file
+        from fabrication.checks.inspection import inspect_file
 
         for file in files:
             report = inspect_file(file)

@@ -51,6 +51,9 @@ class StepContent:
 def read_step(path: Path) -> StepContent:
     """Read a STEP file with OCCT's XCAF reader and validate each product once.
 
+    The reader mends small faults on the way (tolerances, a shell that is inside out), so a product
+    is called valid as this reader sees it.
+
     Raises
     ------
     InputError
