@@ -180,7 +180,9 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     measures = inspect(net.mesh)
     stop("measure")
     start("support structure")
-    support = support_structure(net.mesh, project.support.kind)
+    support = support_structure(
+        net.mesh, project.support.kind, lean_limit_deg=project.support.lean_limit_deg
+    )
     stop("support structure")
     start("detail")
     gridshell = detail(net.mesh, support, project)

@@ -41,7 +41,7 @@ from fabrication.parts import (
     verify_parts,
 )
 from fabrication.problems import problems_of
-from fabrication.specs import Check, Role
+from fabrication.specs import Check, Family, Role
 
 REJECTED: Final = "rejected"
 """Folder, inside the output folder, of the parts that failed a check or a limit."""
@@ -189,7 +189,7 @@ class _Job:
         with self._timed("clearances"):
             self.tell("clearances", 0, 0)
             pieces = check_assembly(
-                self.design.families,
+                self._within_limits(),
                 {part.number: part.mesh for part in parts},
                 clearances(self.design),
                 tolerance=2 * CHORD_MM,
@@ -206,6 +206,18 @@ class _Job:
             self._write_models(parts, failed)
         extra = self._finish_assembly(assembly, parts, failed)
         return self._finish(parts, checks, extra)
+
+    def _within_limits(self) -> list[Family]:
+        """Families of pieces that passed their limits; what is rejected anyway clashes with none.
+
+        All pieces of a family pass, or none.
+        """
+        good = {
+            piece.mark
+            for piece in self.design.gridshell.pieces
+            if all(check.passed for check in piece.checks)
+        }
+        return [f for f in self.design.families if f.instances[0].mark in good]
 
     # --- parts -------------------------------------------------------------------------------
     def _make(self) -> list[PartResult]:

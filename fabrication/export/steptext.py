@@ -20,6 +20,8 @@ _BREP: Final = re.compile(
     rb"= ADVANCED_BREP_SHAPE_REPRESENTATION\('[^']*',\s*\(([#\d,\s]+)\),\s*#(\d+)\s*\)"
 )
 _ID: Final = re.compile(rb"#(\d+)")
+STYLE_IDS: Final = 9
+"""How many ids a style takes."""
 _END: Final = b"ENDSEC;\nEND-ISO-10303-21;"
 
 
@@ -71,7 +73,7 @@ def coloured(text: bytes, colours: Mapping[str, tuple[float, float, float]]) -> 
             raise KernelError(f"unexpected STEP text from OCCT: solid #{solid} on layer {layer}")
         if layer not in styles:
             styles[layer] = following + len(lines)
-            lines += _style(styles[layer], colours[layer])
+            lines += style(styles[layer], colours[layer])
         styled = following + len(lines)
         lines += [
             f"#{styled} = STYLED_ITEM('color',(#{styles[layer]}),#{solid});",
@@ -81,7 +83,7 @@ def coloured(text: bytes, colours: Mapping[str, tuple[float, float, float]]) -> 
     return head + "".join(line + "\n" for line in lines).encode("ascii") + end + tail
 
 
-def _style(first: int, colour: tuple[float, float, float]) -> list[str]:
+def style(first: int, colour: tuple[float, float, float]) -> list[str]:
     """A presentation style of surfaces and curves in one colour; ids count from `first`."""
     red, green, blue = (f"{value:.6f}" for value in colour)
     return [
@@ -102,3 +104,14 @@ def encoded(text: str) -> str:
     return "".join(
         c if " " <= c <= "~" else f"\\X2\\{c.encode('utf-16-be').hex().upper()}\\X0\\" for c in text
     )
+
+
+def quoted(text: str) -> str:
+    """Text as a STEP string, with its apostrophes."""
+    return "'" + encoded(text.replace("\\", "\\\\").replace("'", "''")) + "'"
+
+
+def real(value: float) -> str:
+    """A number as a STEP real of 15 digits, with the point that it needs."""
+    mantissa, exponent, power = f"{value:.15G}".partition("E")
+    return mantissa + ("" if "." in mantissa else ".") + exponent + power

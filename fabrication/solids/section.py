@@ -12,7 +12,7 @@ import numpy as np
 from ddgfab.mesh import Floats
 from fabrication.specs import Loop
 
-GAUSS_NODES = 24
+GAUSS_NODES = 16
 """Nodes of the quadrature along an arc of at most half a turn: exact to rounding for the
 trigonometric polynomials that areas, volumes and centroids are made of."""
 

@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.solids.boundary import Boundary
+from fabrication.solids.boundary import Boundary, cross_rows
 from fabrication.specs import TriangleMesh
 
 CHORD = 0.05
@@ -60,6 +60,7 @@ class _Sampler:
     def __init__(self, boundary: Boundary, chord: float) -> None:
         self.boundary = boundary
         self.chord = chord
+        self.ydir = cross_rows(boundary.face_axis, boundary.face_xdir)
         self.points: list[Floats] = [boundary.points]
         self.count = len(boundary.points)
         self.chains: list[list[int]] = boundary.edges.tolist()
@@ -69,7 +70,7 @@ class _Sampler:
         """Sample the arcs of a cylinder face and triangulate it, slab by slab."""
         b = self.boundary
         origin, axis, xdir = b.face_origin[face], b.face_axis[face], b.face_xdir[face]
-        ydir = np.cross(axis, xdir)
+        ydir = self.ydir[face]
         edges = np.array([e if e >= 0 else ~e for loop in loops for e in loop])
         arcs = edges[b.edge_arc[edges] >= 0]
         rows = b.edge_arc[arcs]
@@ -126,9 +127,8 @@ class _Sampler:
                 chain = self.chains[coedge] if coedge >= 0 else self.chains[~coedge][::-1]
                 ring += chain[:-1]
             rings.append(ring)
-        xdir = self.boundary.face_xdir[face]
-        ydir = np.cross(self.boundary.face_axis[face], xdir)
-        flat = [points[ring] @ np.stack([xdir, ydir], axis=1) for ring in rings]
+        plane = np.array([self.boundary.face_xdir[face], self.ydir[face]]).T
+        flat = [points[ring] @ plane for ring in rings]
         if len(rings) == 1 and len(rings[0]) <= QUAD and _convex(flat[0]):
             a, b, c, *rest = rings[0]
             self.triangles += [(a, b, c), *((a, c, d) for d in rest)]
@@ -143,13 +143,15 @@ class _Sampler:
 
 def _grid(angles: Floats, step: float) -> Floats:
     """Sorted angles without repeats, and between them as many more as keep to the step."""
-    values = np.sort(angles.ravel())
-    values = values[np.concatenate([[True], np.diff(values) > SAME_ANGLE])]
-    parts = [
-        np.linspace(a, b, max(1, math.ceil((b - a) / step)), endpoint=False)
-        for a, b in zip(values[:-1].tolist(), values[1:].tolist(), strict=True)
-    ]
-    return np.concatenate([*parts, values[-1:]])
+    grid: list[float] = []
+    for angle in sorted(angles.ravel().tolist()):
+        if grid and angle - grid[-1] <= SAME_ANGLE:
+            continue
+        if grid:
+            last, parts = grid[-1], math.ceil((angle - grid[-1]) / step)
+            grid += [last + (angle - last) * part / parts for part in range(1, parts)]
+        grid.append(angle)
+    return np.array(grid)
 
 
 def _between(column: list[int], low: int, high: int) -> list[int]:
@@ -177,6 +179,10 @@ def _strip(left: list[int], right: list[int], outward: bool) -> list[tuple[int, 
 
 def _convex(ring: Floats) -> bool:
     """Whether a small polygon turns left at every corner."""
-    step = np.roll(ring, -1, axis=0) - ring
-    before = np.roll(step, 1, axis=0)
-    return bool(np.all(before[:, 0] * step[:, 1] - before[:, 1] * step[:, 0] > 0.0))
+    corners = ring.tolist()
+    return all(
+        (x1 - x0) * (y2 - y1) > (y1 - y0) * (x2 - x1)
+        for (x0, y0), (x1, y1), (x2, y2) in zip(
+            corners, corners[1:] + corners[:1], corners[2:] + corners[:2], strict=True
+        )
+    )
