@@ -16,7 +16,11 @@ from fabrication.solids.sweep import End, sweep
 from fabrication.specs import Loop, NodeShape, RadialHole, Seat
 
 SAME_AZIMUTH = 1e-9
-"""Azimuths [rad] nearer than this are one: a hole there stands on its seat, seats there touch."""
+"""Azimuths [rad] nearer than this are one: a hole there stands on its seat."""
+
+TOUCHING = 1e-4
+"""Seats with less of the circle [mm] between them, or overlapping by less, meet in an edge: an
+arc so short is no face."""
 
 MAX_ARC = math.pi
 """Greatest angle [rad] of one cylinder face: larger ones are split, so no edge is a circle."""
@@ -117,29 +121,40 @@ def node_section(shape: NodeShape) -> tuple[Loop, ...]:
     for position, k in enumerate(order):
         seat, after = shape.seats[k], order[(position + 1) % len(order)]
         half = half_angle(shape, seat)
-        points.append(
-            (
-                shape.radius * math.cos(seat.azimuth - half),
-                shape.radius * math.sin(seat.azimuth - half),
-            )
-        )
+        points.append(_corner(shape, shape.seats[order[position - 1]], seat))
         bulges.append(0.0)
-        step = (shape.seats[after].azimuth - seat.azimuth) % (2.0 * math.pi)
-        if len(order) == 1:
-            step = 2.0 * math.pi
-        gap = step - half - half_angle(shape, shape.seats[after])
-        if gap < -SAME_AZIMUTH:
+        gap = _gap(shape, seat, shape.seats[after])
+        if gap < -TOUCHING / shape.radius:
+            step = gap + half + half_angle(shape, shape.seats[after])
             raise DetailError(
                 f"seats {k} and {after} cut each other: {math.degrees(step):.4g} deg apart, they "
                 f"take {math.degrees(step - gap):.4g} deg of the circle; widen the node"
             )
-        if gap > SAME_AZIMUTH:
+        if gap > TOUCHING / shape.radius:
             arc(seat.azimuth + half, gap)
     outer = Loop(np.array(points), np.array(bulges))
     if shape.bore == 0.0:
         return (outer,)
     r = shape.bore
     return (outer, Loop(np.array([(r, 0.0), (-r, 0.0)]), np.array([-1.0, -1.0])))
+
+
+def _gap(shape: NodeShape, before: Seat, seat: Seat) -> float:
+    """Angle [rad] of the circle left between a seat and the next one counterclockwise."""
+    step = (seat.azimuth - before.azimuth) % (2.0 * math.pi)
+    if before is seat:
+        step = 2.0 * math.pi
+    return step - half_angle(shape, before) - half_angle(shape, seat)
+
+
+def _corner(shape: NodeShape, before: Seat, seat: Seat) -> tuple[float, float]:
+    """Where a seat begins: on the circle, or in the line where it meets the seat before it."""
+    if _gap(shape, before, seat) > TOUCHING / shape.radius:
+        angle = seat.azimuth - half_angle(shape, seat)
+        return shape.radius * math.cos(angle), shape.radius * math.sin(angle)
+    (a, b), (c, d) = ((math.cos(s.azimuth), math.sin(s.azimuth)) for s in (before, seat))
+    p, q = before.distance, seat.distance
+    return (p * d - q * b) / (a * d - b * c), (a * q - c * p) / (a * d - b * c)
 
 
 def check_holes(shape: NodeShape, found: list[Drill]) -> None:

@@ -199,6 +199,21 @@ PANELS: dict[str, tuple[PanelShape, int]] = {
     "corner in line": (panel(IN_LINE, None, 10.0), 0),
 }
 
+# Seats that touch but for rounding, either way: the corner is where their planes meet.
+for _name, _shift in (("a hair apart", 4e-7), ("a hair over", -4e-7)):
+    NODES[f"seats {_name}"] = (
+        NodeShape(
+            50.0,
+            12.0,
+            0.0,
+            80.0,
+            tuple(
+                Seat(k * math.pi / 2, 50.0 * math.cos(math.pi / 4 - _shift), 70.7) for k in range(4)
+            ),
+        ),
+        1,
+    )
+
 EXACT: dict[str, tuple[Shape, int]] = {**BEAMS, **NODES, **PANELS}
 
 TUBE = NodeShape(60.0, 50.0, -40.0, 45.0)
