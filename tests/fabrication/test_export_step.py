@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -180,6 +181,43 @@ def test_cadquery_opens_the_same_tree(assembly: Path) -> None:
     assert set(leaves) >= {mark for _, mark, _ in INSTANCES}
     total = sum(solid.Volume() for solid in root.toCompound().Solids())
     assert total == pytest.approx(sum(np.prod(SIZES[n]) for n, _, _ in INSTANCES), rel=1e-9)
+
+
+def test_freecad_opens_the_assembly_with_numbers_and_instances(
+    assembly: Path, tmp_path: Path
+) -> None:
+    # FreeCAD gathers equal instances in one link array, and a group of one product becomes that
+    # array; its console import crashes with merge=True, also on cadquery's own files (0.20).
+    if shutil.which("freecadcmd") is None:
+        pytest.skip("freecadcmd is not installed")
+    program = tmp_path / "look.py"
+    program.write_text(
+        "import FreeCAD, Import\n"
+        "document = FreeCAD.newDocument('x')\n"
+        f"Import.insert({str(assembly)!r}, 'x', merge=False)\n"
+        "for o in document.Objects:\n"
+        "    print('\\nOBJECT', o.TypeId, o.Label, o.Shape.Volume,\n"
+        "          getattr(o, 'ElementCount', 1),\n"
+        "          any(user.TypeId == 'App::Link' for user in o.InList), sep='|')\n"
+    )
+    done = subprocess.run(
+        ["freecadcmd", str(program)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "HOME": str(tmp_path)},
+    )
+    objects = [line.split("|")[1:] for line in done.stdout.splitlines() if "OBJECT|" in line]
+    labels = {label for _, label, *_ in objects}
+    assert labels >= {"BP-001", "NP-001", "Beams", "Nodes", "Panels", "Roof 7"}, done.stdout
+    (whole,) = [float(volume) for _, label, volume, *_ in objects if label == "Roof 7"]
+    assert whole == pytest.approx(sum(np.prod(SIZES[n]) for n, _, _ in INSTANCES), rel=1e-9)
+    placed = sum(
+        int(count)
+        for kind, _, _, count, linked in objects
+        if kind == "App::Link" or (kind == "Part::Feature" and linked == "False")
+    )
+    assert placed == len(INSTANCES)
 
 
 def test_build123d_opens_the_part_with_its_name(tmp_path: Path) -> None:
