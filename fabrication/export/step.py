@@ -1,85 +1,57 @@
 """STEP files as manufacturers want them: named, coloured, layered, with validation properties.
 
-Written with OCCT's XCAF directly: product = part number, component instance = piece mark.
+Product = part number, component instance = piece mark. What has an exact boundary is written as
+text (`fabrication.export.stepdirect`), without the CAD kernel; the rest with OCCT's XCAF.
 """
 
 from __future__ import annotations
 
 import io
-import os
 import threading
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 
 from ddgfab.errors import KernelError
 from ddgfab.io.atomic import atomic_write
+from fabrication.export.stepdirect import assembly_text, part_text
+from fabrication.export.steprecords import (
+    COLOURS,
+    FAILED,
+    GROUPS,
+    LAYERS,
+    Header,
+    Material,
+    Product,
+    Schema,
+    time_stamp,
+)
 from fabrication.export.steptext import coloured, encoded, mended_density, renumbered
 from fabrication.export.version import originating_system
 from fabrication.export.xcaf import mute, new_document, set_name
+from fabrication.solids.boundary import Boundary
 from fabrication.specs import Placement, Properties, Role
 
-Schema = Literal["AP214", "AP242"]
-
-COLOURS: Final[dict[str, tuple[float, float, float]]] = {
-    "beam": (0.33, 0.36, 0.40),
-    "node": (0.80, 0.42, 0.16),
-    "panel": (0.45, 0.72, 0.74),
-    "failed": (0.85, 0.10, 0.10),
-}
-"""sRGB colours of the roles, and of pieces that failed a check, 0..1."""
-
-FAILED: Final = "failed"
-"""The key in `COLOURS` of pieces that failed a check."""
-
-LAYERS: Final[dict[str, str]] = {"beam": "BEAMS", "node": "NODES", "panel": "PANELS"}
-"""Layers of the roles."""
-
-GROUPS: Final[dict[str, str]] = {"beam": "Beams", "node": "Nodes", "panel": "Panels"}
-"""Sub-assemblies of the roles, in the order in which they appear."""
+__all__ = [
+    "COLOURS",
+    "FAILED",
+    "GROUPS",
+    "LAYERS",
+    "Header",
+    "Material",
+    "Product",
+    "Schema",
+    "location",
+    "time_stamp",
+    "write_assembly",
+    "write_part",
+]
 
 _SCHEMA_OPTION: Final[dict[str, str]] = {"AP214": "AP214IS", "AP242": "AP242DIS"}
 # The kernel's settings for writing are global to the process, so one file is written at a time.
 _WRITING: Final = threading.Lock()
-
-
-@dataclass(frozen=True)
-class Header:
-    """Who made the file. Empty fields are written as they are."""
-
-    author: str = ""
-    organisation: str = ""
-    description: str = ""
-
-
-@dataclass(frozen=True)
-class Material:
-    """A material: its name and density [kg/m3]."""
-
-    name: str
-    density: float
-
-
-@dataclass(frozen=True, eq=False)
-class Product:
-    """A part number: its role, kernel solid in its own frame, properties and material."""
-
-    number: str
-    role: Role
-    solid: Any
-    properties: Properties
-    material: Material | None = None
-
-
-def time_stamp() -> str:
-    """Now, or SOURCE_DATE_EPOCH where it is set (ISO 8601, UTC, seconds)."""
-    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
-    moment = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdigit() else datetime.now(UTC)
-    return moment.strftime("%Y-%m-%dT%H:%M:%S")
 
 
 def write_part(
@@ -92,12 +64,14 @@ def write_part(
     header: Header | None = None,
     material: Material | None = None,
     schema: Schema = "AP214",
+    boundary: Boundary | None = None,
 ) -> None:
     """Write one part number as a STEP file (atomically).
 
     Parameters
     ----------
-    solid : TopoDS_Solid in the part's own frame [mm]
+    solid : TopoDS_Solid in the part's own frame [mm]; not looked at where there is a boundary
+    boundary : the same as an exact boundary, which is written as text, without the kernel
 
     Raises
     ------
@@ -106,9 +80,22 @@ def write_part(
     KernelError
         OCCT refused the solid.
     """
-    document = new_document()
-    _add_product(document, Product(number, role, solid, properties, material))
-    data = _document_bytes(document, path.name, header or Header(), schema)
+    header = header or Header()
+    if boundary is not None:
+        data = part_text(
+            boundary,
+            number=number,
+            role=role,
+            properties=properties,
+            file_name=path.name,
+            header=header,
+            material=material,
+            schema=schema,
+        )
+    else:
+        document = new_document()
+        _add_product(document, Product(number, role, solid, properties, material))
+        data = _document_bytes(document, path.name, header, schema)
     with atomic_write(path) as file:
         file.write(data)
 
@@ -128,6 +115,7 @@ def write_assembly(
 
     Parameters
     ----------
+    products : written as text when all have boundaries; else all need their solids
     instances : (part number, piece mark, (4, 4) placement [mm]) of every piece
 
     Raises
@@ -137,6 +125,32 @@ def write_assembly(
     KernelError
         An instance of an unknown part number, or OCCT refused.
     """
+    header = header or Header()
+    if products and all(product.boundary is not None for product in products):
+        data = assembly_text(
+            products, instances, name=name, file_name=path.name, header=header, schema=schema
+        )
+    else:
+        document = _assembly_document(products, instances, name)
+        data = _document_bytes(document, path.name, header, schema)
+    with atomic_write(path) as file:
+        file.write(data)
+
+
+def location(placement: Placement) -> Any:
+    """A (4, 4) rigid motion as a TopLoc_Location."""
+    from OCP.gp import gp_Trsf
+    from OCP.TopLoc import TopLoc_Location
+
+    motion = gp_Trsf()
+    motion.SetValues(*(float(x) for x in np.asarray(placement)[:3].ravel()))
+    return TopLoc_Location(motion)
+
+
+def _assembly_document(
+    products: Sequence[Product], instances: Iterable[tuple[str, str, Placement]], name: str
+) -> Any:
+    """An XCAF document of the whole."""
     from OCP.TopLoc import TopLoc_Location
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
@@ -157,19 +171,7 @@ def write_assembly(
         label = shapes.AddComponent(groups[roles[number]], labels[number], location(placement))
         set_name(label, mark)
     shapes.UpdateAssemblies()
-    data = _document_bytes(document, path.name, header or Header(), schema)
-    with atomic_write(path) as file:
-        file.write(data)
-
-
-def location(placement: Placement) -> Any:
-    """A (4, 4) rigid motion as a TopLoc_Location."""
-    from OCP.gp import gp_Trsf
-    from OCP.TopLoc import TopLoc_Location
-
-    motion = gp_Trsf()
-    motion.SetValues(*(float(x) for x in np.asarray(placement)[:3].ravel()))
-    return TopLoc_Location(motion)
+    return document
 
 
 def _add_product(document: Any, product: Product) -> Any:
