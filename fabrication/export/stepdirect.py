@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import KernelError
-from fabrication.export.stepgeometry import LOCAL, count_ids, shell, shortened
+from fabrication.export.stepgeometry import LOCAL, BoundaryShell
+from fabrication.export.stepkernel import KernelShell
 from fabrication.export.steprecords import (
     COLOURS,
     GROUPS,
@@ -182,13 +183,13 @@ def assembly_text(
 
     Parameters
     ----------
-    products : each with its boundary
+    products : each with its boundary, or where it has none with its kernel solid
     instances : (part number, piece mark, (4, 4) placement [mm]) of every piece
 
     Raises
     ------
     KernelError
-        An instance of an unknown part number, or a product without a boundary.
+        An instance of an unknown part number, a product without geometry, or OCCT refused.
     """
     text = _Text(products)
     roles = [role for role in GROUPS if any(product.role == role for product in products)]
@@ -217,23 +218,23 @@ class _Text:
     """
 
     def __init__(self, products: Sequence[Product]) -> None:
-        self.parts: list[str] = []
+        self._parts: list[bytes] = []
         self.occurrences = 0
         self._following = _FIRST_FREE
         materials = self._materials(products)
         styles = self._styles(products)
-        boundaries = [_boundary_of(product) for product in products]
-        most = _SHELL + max((count_ids(boundary) for boundary in boundaries), default=0)
+        shells = [_shell_of(product) for product in products]
+        most = _SHELL + max((shell.ids for shell in shells), default=0)
         width = max(_LEAST_WIDTH, len(str(most - 1)))
         first = 1 + self._following // 10**width
         self.references: list[tuple[str, str]] = []  # definition, representation
         solids: dict[str, list[str]] = {}
-        for index, (product, boundary) in enumerate(zip(products, boundaries, strict=True)):
+        for index, (product, shell) in enumerate(zip(products, shells, strict=True)):
             prefix = f"#{first + index}"
-            self.parts.append(
+            self.write(
                 _product(
                     product,
-                    boundary,
+                    shell,
                     prefix,
                     width,
                     styles[product.role],
@@ -245,7 +246,7 @@ class _Text:
             solids.setdefault(product.role, []).append(local[2])
         self._following = (first + len(products)) * 10**width
         for role, members in solids.items():
-            self.parts.append(
+            self.write(
                 f"#{self.take(1)}=PRESENTATION_LAYER_ASSIGNMENT("
                 f"{quoted(LAYERS[role])},'visible',({_listed(members)}));\n"
             )
@@ -254,6 +255,10 @@ class _Text:
         """The first of some new ids."""
         self._following += count
         return self._following - count
+
+    def write(self, entities: str) -> None:
+        """Some more entities."""
+        self._parts.append(entities.encode("ascii"))
 
     def unit(self, name: str) -> _Unit:
         """A new assembly."""
@@ -271,7 +276,8 @@ class _Text:
             f"FILE_SCHEMA(('{identity}'));\nENDSEC;\nDATA;\n"
         )
         common = _COMMON % (protocol, year, application) + _COMMON_CONTEXT
-        return "".join([start, common, *self.parts, "ENDSEC;\nEND-ISO-10303-21;\n"]).encode("ascii")
+        whole = [(start + common).encode("ascii"), *self._parts, b"ENDSEC;\nEND-ISO-10303-21;\n"]
+        return b"".join(whole)
 
     def _materials(self, products: Sequence[Product]) -> dict[Material, tuple[str, str]]:
         """Ids of the representations of each material's name and density, by material."""
@@ -283,7 +289,7 @@ class _Text:
             i = self.take(4)
             # Grams per cubic centimetre, as OCCT and its readers have it.
             density = f"POSITIVE_RATIO_MEASURE({real(material.density / 1000.0)})"
-            self.parts.append(
+            self.write(
                 f"#{i}=REPRESENTATION('material name',(#{i + 1}),{_FILE_CONTEXT});\n"
                 f"#{i + 1}=DESCRIPTIVE_REPRESENTATION_ITEM({quoted(material.name)},'');\n"
                 f"#{i + 2}=REPRESENTATION('density',(#{i + 3}),{_FILE_CONTEXT});\n"
@@ -298,7 +304,7 @@ class _Text:
         for role in GROUPS:
             if any(product.role == role for product in products):
                 first = self.take(STYLE_IDS)
-                self.parts.append("\n".join(style(first, COLOURS[role])) + "\n")
+                self.write("\n".join(style(first, COLOURS[role])) + "\n")
                 found[role] = f"#{first}"
         return found
 
@@ -315,7 +321,7 @@ class _Unit:
             ids[_REPRESENTED],
             ids[7],
         )
-        text.parts.append(_DEFINITION.format(*ids) % (quoted(name), quoted(name)))
+        text.write(_DEFINITION.format(*ids) % (quoted(name), quoted(name)))
         self._placements: list[str] = [_ORIGIN]
 
     def add(self, name: str, definition: str, representation: str, placement: Placement) -> None:
@@ -324,7 +330,7 @@ class _Unit:
         text.occurrences += 1
         i = text.take(9)
         (xx, _, zx, px), (xy, _, zy, py), (xz, _, zz, pz) = np.asarray(placement)[:3].tolist()
-        text.parts.append(
+        text.write(
             _INSTANCE
             % (
                 *(i, i + 1, i + 3),
@@ -342,28 +348,32 @@ class _Unit:
 
     def close(self) -> None:
         """Write the representation that holds the placements."""
-        self._text.parts.append(
+        self._text.write(
             f"{self.representation}=SHAPE_REPRESENTATION('',({_listed(self._placements)}),"
             f"{self._context});\n"
         )
 
 
-def _boundary_of(product: Product) -> Boundary:
-    if product.boundary is None:
-        raise KernelError(f"{product.number} has no exact boundary to write as text")
-    return product.boundary
+def _shell_of(product: Product) -> BoundaryShell | KernelShell:
+    if product.boundary is not None:
+        return BoundaryShell(product.boundary)
+    if product.solid is None:
+        raise KernelError(f"{product.number} has neither an exact boundary nor a solid to write")
+    try:
+        return KernelShell(product.solid)
+    except KernelError as error:
+        raise KernelError(f"{product.number}: {error}") from error
 
 
 def _product(
     product: Product,
-    boundary: Boundary,
+    shell: BoundaryShell | KernelShell,
     prefix: str,
     width: int,
     style_id: str,
     material: tuple[str, str] | None,
 ) -> str:
     """All entities of one product; its ids are the prefix and local ids of some width."""
-    template, numbers = shell(boundary, _SHELL, width)
     number, values = quoted(product.number), product.properties
     measures = (real(values.area), real(values.volume), *map(real, values.centroid))
     text = _numbered(_PRODUCT, width).replace(LOCAL, prefix) % (
@@ -374,7 +384,7 @@ def _product(
     )
     if material is not None:
         text += _numbered(_MATERIAL, width).replace(LOCAL, prefix) % material
-    return text + shortened(template.text.replace(LOCAL, prefix) % numbers)
+    return text + shell.text(prefix, _SHELL, width)
 
 
 @lru_cache(maxsize=16)

@@ -29,6 +29,7 @@ LOCAL: Final = "~"
 _REAL: Final = f"%.{DECIMALS}f"
 _TRIPLE: Final = f"({_REAL},{_REAL},{_REAL})"
 _WHOLE: Final = "." + DECIMALS * "0"
+"""The end of whole numbers, written as "." only: saves a third of the size."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,24 @@ class Template:
     ids: int
     arc_numbers: NDArray[np.bool_]
     face_numbers: NDArray[np.bool_]
+
+
+class BoundaryShell:
+    """The CLOSED_SHELL of an exact boundary, and all that hangs below it, as text.
+
+    Attributes
+    ----------
+    ids : how many ids it takes
+    """
+
+    def __init__(self, boundary: Boundary) -> None:
+        self.ids = count_ids(boundary)
+        self._boundary = boundary
+
+    def text(self, prefix: str, first: int, width: int) -> str:
+        """The entities; an id is the prefix and a number of that width, `first` the shell's."""
+        template, numbers = shell(self._boundary, first, width)
+        return (template.text.replace(LOCAL, prefix) % numbers).replace(_WHOLE, ".")
 
 
 def shell(boundary: Boundary, first: int, width: int) -> tuple[Template, tuple[float, ...]]:
@@ -121,11 +140,6 @@ def count_ids(boundary: Boundary) -> int:
         + 5 * boundary.n_faces  # two directions, placement, surface, face
         + cylinders  # their origins
     )
-
-
-def shortened(text: str) -> str:
-    """The text with whole numbers as in "12.": saves a third of the size."""
-    return text.replace(_WHOLE, ".")
 
 
 def _line_directions(boundary: Boundary) -> Floats:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from solids_table import BEAMS, EXACT, NODES, PANELS
+from solids_table import BEAMS, CUT, EXACT, NODES, PANELS
 
 from ddgfab.errors import KernelError
 from fabrication.checks.file import FILE_VOLUME_RELATIVE, check_step_part, matrix, read_step
@@ -28,7 +28,8 @@ from fabrication.export.step import (
     write_part,
 )
 from fabrication.export.stepdirect import assembly_text, part_text
-from fabrication.export.stepgeometry import count_ids, shell
+from fabrication.export.stepgeometry import BoundaryShell, shell
+from fabrication.export.stepkernel import KernelShell
 from fabrication.export.steptext import quoted, real
 from fabrication.export.xcaf import components, free_labels, get_name, read_document
 from fabrication.solids import boundary_of, properties_of, solid_of
@@ -119,7 +120,7 @@ def test_the_ids_of_a_shell_are_counted_right(name: str) -> None:
     found = boundary_of(EXACT[name][0])
     assert found is not None
     template, numbers = shell(found, 32, 4)
-    assert template.ids == 32 + count_ids(found)
+    assert template.ids == 32 + BoundaryShell(found).ids
     assert template.text.count("%") == len(numbers)
 
 
@@ -167,7 +168,7 @@ def test_an_unknown_part_number_and_a_missing_boundary_are_named() -> None:
         assembly_text(
             products(exact=True), [("BP-009", "B-0009", np.eye(4))], name="R", file_name="a"
         )
-    bare = [replace(products(exact=True)[0], boundary=None)]
+    bare = [Product("BP-001", "beam", None, properties_of(SHAPES["BP-001"]))]
     with pytest.raises(KernelError, match="BP-001"):
         assembly_text(bare, [], name="R", file_name="a")
 
@@ -334,6 +335,50 @@ def test_pieces_of_an_assembly_are_valid_and_where_they_were_put(tmp_path: Path)
     for number, mark, placement in INSTANCES:
         assert placed[mark][0] == number
         np.testing.assert_allclose(placed[mark][1], placement, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_parts_without_an_exact_boundary_stand_beside_the_others(tmp_path: Path) -> None:
+    exact = products(exact=True)
+    cut = [
+        Product(f"NP-{k:03d}", "node", solid_of(shape), properties_of(shape), STEEL)
+        for k, (shape, _) in enumerate(CUT.values(), start=2)
+    ]
+    extra = [(product.number, f"N-{k:04d}", motion(k)) for k, product in enumerate(cut, start=2)]
+    path = tmp_path / "assembly.step"
+    path.write_bytes(
+        assembly_text([*cut, *exact], [*INSTANCES, *extra], name="Roof", file_name=path.name)
+    )
+    volumes = {product.number: product.properties.volume for product in (*cut, *exact)}
+    expected = {mark: (number, volumes[number], p) for number, mark, p in [*INSTANCES, *extra]}
+    assert [c for c in check_step_assembly(path, expected) if not c.passed] == []
+    assert attributes(path)["NP-002"]["material"] == STEEL.name
+    for product in read_step(path).products:
+        assert product.report.valid
+        assert product.report.volume == pytest.approx(volumes[product.name], rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_solid_that_is_no_single_shell_is_refused_by_name() -> None:
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeSphere
+    from OCP.gp import gp_Pnt
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopExp import TopExp_Explorer
+
+    hollow = BRepAlgoAPI_Cut(
+        BRepPrimAPI_MakeBox(10, 10, 10).Shape(), BRepPrimAPI_MakeSphere(gp_Pnt(5, 5, 5), 2).Shape()
+    ).Shape()
+    solid = TopExp_Explorer(hollow, TopAbs_ShapeEnum.TopAbs_SOLID).Current()
+    with pytest.raises(KernelError, match="one closed shell"):
+        KernelShell(solid)
+    with pytest.raises(KernelError, match="NP-007"):
+        assembly_text(
+            [Product("NP-007", "node", solid, properties_of(SHAPES["NP-001"]))],
+            [],
+            name="R",
+            file_name="a",
+        )
 
 
 @pytest.mark.slow
