@@ -6,13 +6,31 @@ names, instances, colours, layers, materials and validation properties where it 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
-from ddgfab.errors import KernelError
+from ddgfab.errors import DdgError, KernelError
+from fabrication.export.stepentities import (
+    COMMON,
+    COMMON_CONTEXT,
+    DEFINED,
+    DEFINITION,
+    DENSITY_UNIT,
+    FILE_CONTEXT,
+    FIRST_FREE,
+    INSTANCE,
+    MATERIAL,
+    ORIGIN,
+    PRODUCT,
+    REPRESENTED,
+    SCHEMAS,
+    SHELL,
+    SOLID,
+)
 from fabrication.export.stepgeometry import LOCAL, BoundaryShell
 from fabrication.export.stepkernel import KernelShell
 from fabrication.export.steprecords import (
@@ -30,120 +48,8 @@ from fabrication.export.version import originating_system
 from fabrication.solids.boundary import Boundary
 from fabrication.specs import Placement, Properties, Role
 
-_SCHEMAS: Final[dict[str, tuple[str, str, str, int]]] = {
-    "AP214": (
-        "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }",
-        "core data for automotive mechanical design processes",
-        "automotive_design",
-        2000,
-    ),
-    "AP242": (
-        "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF {1 0 10303 442 1 1 4 }",
-        "Managed model based 3d engineering",
-        "ap242_managed_model_based_3d_engineering",
-        2013,
-    ),
-}
-"""FILE_SCHEMA, application, protocol and its year."""
-
-# Entities that every file begins with, by id.
-_APPLICATION, _PRODUCT_CONTEXT, _DEFINITION_CONTEXT = "#2", "#3", "#4"
-_MILLIMETRE, _UNITS, _UNCERTAINTY, _ORIGIN = "#5", "#5,#6,#7", "#8", "#9"
-_AREA_UNIT, _VOLUME_UNIT, _DENSITY_UNIT = "#13", "#15", "#17"
-_FILE_CONTEXT: Final = "#22"
-_FIRST_FREE: Final = 23
-_CONTEXT: Final = (
-    f"(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT(({_UNCERTAINTY}))"
-    f"GLOBAL_UNIT_ASSIGNED_CONTEXT(({_UNITS}))"
-    "REPRESENTATION_CONTEXT('Context #1','3D Context with UNIT and UNCERTAINTY'))"
-)
-_COMMON: Final = """\
-#1=APPLICATION_PROTOCOL_DEFINITION('international standard','%s',%d,#2);
-#2=APPLICATION_CONTEXT('%s');
-#3=PRODUCT_CONTEXT('',#2,'mechanical');
-#4=PRODUCT_DEFINITION_CONTEXT('part definition',#2,'design');
-#5=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
-#6=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));
-#7=(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT());
-#8=UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(1.E-07),#5,'distance_accuracy_value',\
-'confusion accuracy');
-#9=AXIS2_PLACEMENT_3D('',#10,#11,#12);
-#10=CARTESIAN_POINT('',(0.,0.,0.));
-#11=DIRECTION('',(0.,0.,1.));
-#12=DIRECTION('',(1.,0.,0.));
-#13=DERIVED_UNIT((#14));
-#14=DERIVED_UNIT_ELEMENT(#5,2.);
-#15=DERIVED_UNIT((#16));
-#16=DERIVED_UNIT_ELEMENT(#5,3.);
-#17=DERIVED_UNIT((#18,#20));
-#18=DERIVED_UNIT_ELEMENT(#19,1.);
-#19=(MASS_UNIT()NAMED_UNIT(*)SI_UNIT($,.GRAM.));
-#20=DERIVED_UNIT_ELEMENT(#21,-3.);
-#21=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.CENTI.,.METRE.));
-"""
-_COMMON_CONTEXT: Final = f"{_FILE_CONTEXT}={_CONTEXT};\n"
-
-# One product; ids in braces are local, %s are filled in. Braces 0..5 serve assemblies as well.
-_DEFINITION: Final = (
-    "{0}=SHAPE_DEFINITION_REPRESENTATION({1},{6});\n"
-    "{1}=PRODUCT_DEFINITION_SHAPE('','',{2});\n"
-    f"{{2}}=PRODUCT_DEFINITION('design','',{{3}},{_DEFINITION_CONTEXT});\n"
-    "{3}=PRODUCT_DEFINITION_FORMATION('','',{4});\n"
-    f"{{4}}=PRODUCT(%s,%s,'',({_PRODUCT_CONTEXT}));\n"
-    "{5}=PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,({4}));\n"
-    f"{{7}}={_CONTEXT};\n"
-)
-_DEFINED: Final = 2  # local id of a product's definition
-_REPRESENTED: Final = 6  # local id of its representation
-_SOLID: Final = 8  # local id of its solid
-_SHELL: Final = 32  # local id of its shell
-_PRODUCT: Final = _DEFINITION + (
-    f"{{6}}=ADVANCED_BREP_SHAPE_REPRESENTATION('',({_ORIGIN},{{8}}),{{7}});\n"
-    "{8}=MANIFOLD_SOLID_BREP('',{32});\n"
-    "{10}=SHAPE_DEFINITION_REPRESENTATION({11},{13});\n"
-    "{11}=PROPERTY_DEFINITION('shape with specific properties',"
-    "'properties for subshape',{12});\n"
-    "{12}=SHAPE_ASPECT('','',{1},.F.);\n"
-    "{13}=SHAPE_REPRESENTATION('',({8}),{7});\n"
-    "{14}=PROPERTY_DEFINITION_REPRESENTATION({15},{16});\n"
-    "{15}=PROPERTY_DEFINITION('geometric validation property','surface area',{12});\n"
-    "{16}=REPRESENTATION('surface area',({17}),{7});\n"
-    "{17}=MEASURE_REPRESENTATION_ITEM('surface area measure',AREA_MEASURE(%s),"
-    f"{_AREA_UNIT});\n"
-    "{18}=PROPERTY_DEFINITION_REPRESENTATION({19},{20});\n"
-    "{19}=PROPERTY_DEFINITION('geometric validation property','volume',{12});\n"
-    "{20}=REPRESENTATION('volume',({21}),{7});\n"
-    "{21}=MEASURE_REPRESENTATION_ITEM('volume measure',VOLUME_MEASURE(%s),"
-    f"{_VOLUME_UNIT});\n"
-    "{22}=PROPERTY_DEFINITION_REPRESENTATION({23},{24});\n"
-    "{23}=PROPERTY_DEFINITION('geometric validation property','centroid',{12});\n"
-    "{24}=REPRESENTATION('centroid',({25}),{7});\n"
-    "{25}=CARTESIAN_POINT('centre point',(%s,%s,%s));\n"
-    "{30}=STYLED_ITEM('color',(%s),{8});\n"
-    "{31}=MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',({30}),{7});\n"
-)
-_MATERIAL: Final = (
-    "{26}=PROPERTY_DEFINITION('material property','material name',{2});\n"
-    "{27}=PROPERTY_DEFINITION_REPRESENTATION({26},%s);\n"
-    "{28}=PROPERTY_DEFINITION('material property','density',{2});\n"
-    "{29}=PROPERTY_DEFINITION_REPRESENTATION({28},%s);\n"
-)
-
 _LEAST_WIDTH: Final = 3
 """Least digits of local ids."""
-
-_INSTANCE: Final = """\
-#%d=CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#%d,#%d);
-#%d=(REPRESENTATION_RELATIONSHIP('','',%s,%s)\
-REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#%d)SHAPE_REPRESENTATION_RELATIONSHIP());
-#%d=ITEM_DEFINED_TRANSFORMATION('','',#9,#%d);
-#%d=PRODUCT_DEFINITION_SHAPE('Placement','Placement of an item',#%d);
-#%d=NEXT_ASSEMBLY_USAGE_OCCURRENCE('%d',%s,'',%s,%s,$);
-#%d=AXIS2_PLACEMENT_3D('',#%d,#%d,#%d);
-#%d=CARTESIAN_POINT('',(%.12f,%.12f,%.12f));
-#%d=DIRECTION('',(%.15f,%.15f,%.15f));
-#%d=DIRECTION('',(%.15f,%.15f,%.15f));
-"""
 
 _LIST_PER_LINE: Final = 12
 """References on a line of a long list."""
@@ -165,6 +71,11 @@ def part_text(
     Parameters
     ----------
     boundary : in the part's own frame [mm]
+
+    Raises
+    ------
+    DegenerateError
+        An edge has no length, or a number is not finite.
     """
     text = _Text([Product(number, role, None, properties, material, boundary)])
     return text.file(header or Header(), file_name, schema)
@@ -190,6 +101,8 @@ def assembly_text(
     ------
     KernelError
         An instance of an unknown part number, a product without geometry, or OCCT refused.
+    DegenerateError
+        A boundary has an edge without length, or a number that is not finite.
     """
     text = _Text(products)
     roles = [role for role in GROUPS if any(product.role == role for product in products)]
@@ -220,11 +133,11 @@ class _Text:
     def __init__(self, products: Sequence[Product]) -> None:
         self._parts: list[bytes] = []
         self.occurrences = 0
-        self._following = _FIRST_FREE
+        self._following = FIRST_FREE
         materials = self._materials(products)
         styles = self._styles(products)
         shells = [_shell_of(product) for product in products]
-        most = _SHELL + max((shell.ids for shell in shells), default=0)
+        most = SHELL + max((shell.ids for shell in shells), default=0)
         width = max(_LEAST_WIDTH, len(str(most - 1)))
         first = 1 + self._following // 10**width
         self.references: list[tuple[str, str]] = []  # definition, representation
@@ -241,7 +154,7 @@ class _Text:
                     materials[product.material] if product.material else None,
                 )
             )
-            local = [f"{prefix}{i:0{width}d}" for i in (_DEFINED, _REPRESENTED, _SOLID)]
+            local = [f"{prefix}{i:0{width}d}" for i in (DEFINED, REPRESENTED, SOLID)]
             self.references.append((local[0], local[1]))
             solids.setdefault(product.role, []).append(local[2])
         self._following = (first + len(products)) * 10**width
@@ -266,7 +179,7 @@ class _Text:
 
     def file(self, header: Header, file_name: str, schema: Schema) -> bytes:
         """The whole file."""
-        identity, application, protocol, year = _SCHEMAS[schema]
+        identity, application, protocol, year = SCHEMAS[schema]
         system = quoted(originating_system())
         start = (
             "ISO-10303-21;\nHEADER;\n"
@@ -275,7 +188,7 @@ class _Text:
             f"({quoted(header.organisation)}),{system},{system},'Unknown');\n"
             f"FILE_SCHEMA(('{identity}'));\nENDSEC;\nDATA;\n"
         )
-        common = _COMMON % (protocol, year, application) + _COMMON_CONTEXT
+        common = COMMON % (protocol, year, application) + COMMON_CONTEXT
         whole = [(start + common).encode("ascii"), *self._parts, b"ENDSEC;\nEND-ISO-10303-21;\n"]
         return b"".join(whole)
 
@@ -290,10 +203,10 @@ class _Text:
             # Grams per cubic centimetre, as OCCT and its readers have it.
             density = f"POSITIVE_RATIO_MEASURE({real(material.density / 1000.0)})"
             self.write(
-                f"#{i}=REPRESENTATION('material name',(#{i + 1}),{_FILE_CONTEXT});\n"
+                f"#{i}=REPRESENTATION('material name',(#{i + 1}),{FILE_CONTEXT});\n"
                 f"#{i + 1}=DESCRIPTIVE_REPRESENTATION_ITEM({quoted(material.name)},'');\n"
-                f"#{i + 2}=REPRESENTATION('density',(#{i + 3}),{_FILE_CONTEXT});\n"
-                f"#{i + 3}=MEASURE_REPRESENTATION_ITEM('density',{density},{_DENSITY_UNIT});\n"
+                f"#{i + 2}=REPRESENTATION('density',(#{i + 3}),{FILE_CONTEXT});\n"
+                f"#{i + 3}=MEASURE_REPRESENTATION_ITEM('density',{density},{DENSITY_UNIT});\n"
             )
             found[material] = (f"#{i}", f"#{i + 2}")
         return found
@@ -317,12 +230,12 @@ class _Unit:
         first = text.take(8)
         ids = [f"#{first + i}" for i in range(8)]
         self.definition, self.representation, self._context = (
-            ids[_DEFINED],
-            ids[_REPRESENTED],
+            ids[DEFINED],
+            ids[REPRESENTED],
             ids[7],
         )
-        text.write(_DEFINITION.format(*ids) % (quoted(name), quoted(name)))
-        self._placements: list[str] = [_ORIGIN]
+        text.write(DEFINITION.format(*ids) % (quoted(name), quoted(name)))
+        self._placements: list[str] = [ORIGIN]
 
     def add(self, name: str, definition: str, representation: str, placement: Placement) -> None:
         """One instance, named."""
@@ -331,7 +244,7 @@ class _Unit:
         i = text.take(9)
         (xx, _, zx, px), (xy, _, zy, py), (xz, _, zz, pz) = np.asarray(placement)[:3].tolist()
         text.write(
-            _INSTANCE
+            INSTANCE
             % (
                 *(i, i + 1, i + 3),
                 *(i + 1, representation, self.representation, i + 2),
@@ -359,10 +272,17 @@ def _shell_of(product: Product) -> BoundaryShell | KernelShell:
         return BoundaryShell(product.boundary)
     if product.solid is None:
         raise KernelError(f"{product.number} has neither an exact boundary nor a solid to write")
-    try:
+    with _named(product):
         return KernelShell(product.solid)
-    except KernelError as error:
-        raise KernelError(f"{product.number}: {error}") from error
+
+
+@contextmanager
+def _named(product: Product) -> Iterator[None]:
+    """Errors begin with the part number."""
+    try:
+        yield
+    except DdgError as error:
+        raise type(error)(f"{product.number}: {error}") from error
 
 
 def _product(
@@ -376,21 +296,22 @@ def _product(
     """All entities of one product; its ids are the prefix and local ids of some width."""
     number, values = quoted(product.number), product.properties
     measures = (real(values.area), real(values.volume), *map(real, values.centroid))
-    text = _numbered(_PRODUCT, width).replace(LOCAL, prefix) % (
+    text = _numbered(PRODUCT, width).replace(LOCAL, prefix) % (
         number,
         number,
         *measures,
         style_id,
     )
     if material is not None:
-        text += _numbered(_MATERIAL, width).replace(LOCAL, prefix) % material
-    return text + shell.text(prefix, _SHELL, width)
+        text += _numbered(MATERIAL, width).replace(LOCAL, prefix) % material
+    with _named(product):
+        return text + shell.text(prefix, SHELL, width)
 
 
 @lru_cache(maxsize=16)
 def _numbered(template: str, width: int) -> str:
     """A template with local ids in its braces."""
-    return template.format(*(f"{LOCAL}{i:0{width}d}" for i in range(_SHELL + 1)))
+    return template.format(*(f"{LOCAL}{i:0{width}d}" for i in range(SHELL + 1)))
 
 
 def _listed(references: Sequence[str]) -> str:

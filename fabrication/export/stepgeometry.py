@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats
 from fabrication.solids.boundary import Boundary, cross_rows
 
@@ -94,6 +95,11 @@ def shell(boundary: Boundary, first: int, width: int) -> tuple[Template, tuple[f
     Returns
     -------
     The template and the numbers for it: ``template.text % numbers``.
+
+    Raises
+    ------
+    DegenerateError
+        An edge has no length, or a number is not finite: a file would hold "nan".
     """
     boundary = boundary.major_first()
     large = np.sqrt(np.einsum("ai,ai->a", boundary.arc_a, boundary.arc_a))
@@ -121,6 +127,8 @@ def shell(boundary: Boundary, first: int, width: int) -> tuple[Template, tuple[f
             _face_numbers(boundary).ravel()[template.face_numbers],
         ]
     )
+    if not np.isfinite(numbers).all():
+        raise DegenerateError("the boundary has an edge without length or a number not finite")
     numbers[np.abs(numbers) < 0.5 * 10.0**-DECIMALS] = 0.0  # else "-0." would appear
     return template, tuple(numbers.tolist())
 
@@ -146,7 +154,8 @@ def _line_directions(boundary: Boundary) -> Floats:
     """Unit directions of the edges that are lines, in their order."""
     ends = boundary.points[boundary.edges[boundary.edge_arc < 0]]
     along = ends[:, 1] - ends[:, 0]
-    return np.asarray(along / np.sqrt(np.einsum("ei,ei->e", along, along))[:, None])
+    with np.errstate(invalid="ignore"):  # an edge without length is refused by its caller
+        return np.asarray(along / np.sqrt(np.einsum("ei,ei->e", along, along))[:, None])
 
 
 def _arc_numbers(boundary: Boundary, large: Floats, small: Floats) -> Floats:

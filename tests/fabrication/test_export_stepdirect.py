@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from solids_table import BEAMS, CUT, EXACT, NODES, PANELS
 
-from ddgfab.errors import KernelError
+from ddgfab.errors import DegenerateError, KernelError
 from fabrication.checks.file import FILE_VOLUME_RELATIVE, check_step_part, matrix, read_step
 from fabrication.checks.whole import check_step_assembly
 from fabrication.export.step import (
@@ -171,6 +171,16 @@ def test_an_unknown_part_number_and_a_missing_boundary_are_named() -> None:
     bare = [Product("BP-001", "beam", None, properties_of(SHAPES["BP-001"]))]
     with pytest.raises(KernelError, match="BP-001"):
         assembly_text(bare, [], name="R", file_name="a")
+
+
+def test_an_edge_without_length_and_what_is_not_finite_are_refused_by_number() -> None:
+    whole = boundary("BP-002")
+    for vertex, value in ((0, np.nan), (int(whole.edges[0, 0]), whole.points[whole.edges[0, 1]])):
+        points = whole.points.copy()
+        points[vertex] = value
+        broken = replace(products(exact=True)[1], boundary=replace(whole, points=points))
+        with pytest.raises(DegenerateError, match=r"BP-002: .*not finite"):
+            assembly_text([broken], [], name="R", file_name="a")
 
 
 # --- read back --------------------------------------------------------------------------------
