@@ -33,9 +33,7 @@ def cut_end(body: Any, cut: EndCut, sign: float, height: float) -> Any:
     """Cut a beam at its start (sign -1) or end (+1)."""
     tilt = math.atan(cut.slope)
     if cut.radius is None:
-        plane = b3.Plane(
-            (cut.x, 0, 0), x_dir=(0, 1, 0), z_dir=(math.cos(tilt), 0, -math.sin(tilt))
-        )
+        plane = b3.Plane((cut.x, 0, 0), x_dir=(0, 1, 0), z_dir=(math.cos(tilt), 0, -math.sin(tilt)))
         return b3.split(body, bisect_by=plane, keep=b3.Keep.BOTTOM if sign > 0 else b3.Keep.TOP)
     axis_x = cut.x + sign * cut.radius / math.cos(tilt)
     plane = b3.Plane((axis_x, 0, 0), x_dir=(0, 1, 0), z_dir=(math.sin(tilt), 0, math.cos(tilt)))
@@ -71,8 +69,10 @@ def node(shape: NodeShape) -> Any:
         body -= b3.Pos(0, 0, middle) * b3.Cylinder(shape.bore, 2 * height)
     for seat in shape.seats:
         turned = b3.Rot(0, 0, math.degrees(seat.azimuth))
-        body -= turned * b3.Pos(seat.distance + shape.radius / 2, 0, middle) * b3.Box(
-            shape.radius, 2 * shape.radius, 2 * height
+        body -= (
+            turned
+            * b3.Pos(seat.distance + shape.radius / 2, 0, middle)
+            * b3.Box(shape.radius, 2 * shape.radius, 2 * height)
         )
     for hole in shape.holes:
         seat_at = min(

@@ -1,4 +1,4 @@
-# ruff: noqa: T201 - a benchmark prints its table.
+
 """Parts: build and check each kind of part, against the way build123d's documentation suggests.
 
     python benchmarks/parts.py [--parts N]

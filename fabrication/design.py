@@ -19,8 +19,9 @@ from ddgfab.support import SupportStructure, support_structure
 from fabrication.detailing import Gridshell, detail
 from fabrication.families import families
 from fabrication.project import Project, load_project, make_project, project_for_mesh
-from fabrication.schedules import Table, schedules
+from fabrication.schedules import schedules
 from fabrication.specs import Family
+from fabrication.table import Table
 
 if TYPE_CHECKING:
     from fabrication.pipeline import JobResult
@@ -199,14 +200,16 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     InputError
         The mesh cannot be read, or its edges are so short that its unit must be another.
     """
-    if mesh is None and project.mesh_path is None:
+    if mesh is None and project.net.kind == "canopy":
         from ddgfab.nets import canopy
 
         return NetInput(canopy(**project.net.parameters), None, None, ())
-    file, sha256, notes = None, None, ()
+    path = project.mesh_path
+    read = read_mesh(path) if mesh is None and path is not None else None
+    if read is not None:
+        mesh = read.mesh
     if mesh is None:
-        read = read_mesh(project.mesh_path)
-        mesh, file, sha256, notes = read.mesh, read.file, read.sha256, read.notes
+        raise InputError(f'[net] kind = "{project.net.kind}" has no mesh of its own')
     median = float(np.median(mesh.edge_lengths))
     factor = project.project.factor(median)
     if median * factor < SHORTEST_MEDIAN_MM:
@@ -215,6 +218,8 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
             f"{SHORTEST_MEDIAN_MM:g} mm\n"
             'Set [project] units = "m", scale = ..., or median_edge_mm = 1500 '
             "(on the command line: --set project.units=m).",
-            file=file,
+            file=None if read is None else read.file,
         )
-    return NetInput(mesh.scaled(factor), file, sha256, notes)
+    if read is None:
+        return NetInput(mesh.scaled(factor), None, None, ())
+    return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes)

@@ -2,21 +2,37 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Final, TypeAlias
 
 from ddgfab.errors import DdgError
+from fabrication.checks.crossing import crossings
 from fabrication.checks.file import check_step_part, check_stl_part
 from fabrication.checks.mesh import check_mesh
 from fabrication.checks.solid import check_solid
 from fabrication.checks.whole import check_step_assembly
-from fabrication.export.step import Header, Material, Product, Schema, write_assembly, write_part
-from fabrication.export.stl import write_stl
-from fabrication.export.xcaf import solid_from_bytes, solid_to_bytes
-from fabrication.solids import genus_of, mesh_of, properties_of, solid_of
+from fabrication.export.step import (
+    Header,
+    Material,
+    Product,
+    Schema,
+    assembly_bytes,
+    part_bytes,
+)
+from fabrication.export.stl import stl_bytes
+from fabrication.solids import boundary_of, realise, second_volume_of, solid_of
 from fabrication.specs import Check, Placement, Properties, Role, Shape, TriangleMesh
+
+VOLUME_RELATIVE: Final = 1e-9
+"""How far the closed forms of a volume may differ: from the boundary, and from the numbers."""
+
+VerifyTask: TypeAlias = tuple[str, float, TriangleMesh, dict[str, Path]]
+"""Number, volume [mm3], mesh and files of a part to be read back."""
+
 
 @dataclass(frozen=True, eq=False)
 class PartJob:
@@ -42,16 +58,19 @@ class PartSettings:
 
 @dataclass(frozen=True, eq=False)
 class PartResult:
-    """A part number made: properties, mesh, solid as a BinTools stream, checks, files, seconds."""
+    """A part number made: properties, mesh, checks, its files by format, seconds by step."""
 
-    number: str
-    role: Role
+    job: PartJob
     properties: Properties
     mesh: TriangleMesh
-    solid: bytes | None
     checks: tuple[Check, ...]
     files: dict[str, Path]
-    seconds: dict[str, float] = field(default_factory=dict)
+    seconds: dict[str, float]
+
+    @property
+    def number(self) -> str:
+        """The part number."""
+        return self.job.number
 
 
 def make_parts(jobs: Sequence[PartJob], settings: PartSettings) -> list[PartResult]:
@@ -62,7 +81,8 @@ def make_parts(jobs: Sequence[PartJob], settings: PartSettings) -> list[PartResu
 def make_part(job: PartJob, settings: PartSettings) -> PartResult:
     """Solid, mesh, their checks, and the files of one part number.
 
-    Without STEP among the formats no kernel is loaded and the exact solid is not made.
+    Without STEP among the formats the exact solid is not made, and no kernel is loaded where the
+    boundary is exact.
 
     Raises
     ------
@@ -71,62 +91,52 @@ def make_part(job: PartJob, settings: PartSettings) -> PartResult:
     """
     clock = _Clock()
     try:
-        properties = properties_of(job.shape)
-        mesh = mesh_of(job.shape, settings.chord)
-        genus = genus_of(job.shape)
-        clock.lap("mesh")
-        solid = solid_of(job.shape) if settings.step else None
-        clock.lap("solid")
+        made = realise(job.shape, settings.chord, solid=settings.step)
     except DdgError as error:
         raise type(error)(f"{job.number}: {error}") from error
-    checks = check_mesh(
-        mesh,
-        volume=properties.volume,
-        area=properties.area,
+    clock.lap("build")
+    volume, again = made.properties.volume, second_volume_of(job.shape)
+    deviation = abs(again - volume) / volume if volume > 0 else math.inf
+    checks = [Check("volume two ways", deviation <= VOLUME_RELATIVE, deviation, VOLUME_RELATIVE)]
+    if settings.step:
+        checks += check_solid(made.solid, volume)
+    checks += check_mesh(
+        made.mesh,
+        volume=volume,
+        area=made.properties.area,
         chord=settings.chord,
-        genus=genus,
+        genus=made.genus,
+        self_crossing=False,  # read back, with the file
     )
-    if solid is not None:
-        checks = check_solid(solid, properties.volume) + checks
     clock.lap("check")
     files = {}
-    if solid is not None:
-        files["step"] = settings.folder / "parts" / "step" / f"{job.number}.step"
-        write_part(
-            files["step"],
-            solid,
-            number=job.number,
-            role=job.role,
-            properties=properties,
-            header=settings.header,
-            material=settings.materials[job.role],
-            schema=settings.schema,
+    if settings.step:
+        path = files["step"] = settings.folder / "parts" / "step" / f"{job.number}.step"
+        product = Product(
+            job.number,
+            job.role,
+            made.solid,
+            made.properties,
+            settings.materials[job.role],
+            made.boundary,
         )
-        clock.lap("write step")
+        path.write_bytes(
+            part_bytes(product, path.name, header=settings.header, schema=settings.schema)
+        )
     if settings.stl:
-        files["stl"] = settings.folder / "parts" / "stl" / f"{job.number}.stl"
-        write_stl(files["stl"], mesh, job.number)
-        clock.lap("write stl")
-    return PartResult(
-        job.number,
-        job.role,
-        properties,
-        mesh,
-        None if solid is None else solid_to_bytes(solid),
-        tuple(checks),
-        files,
-        clock.seconds,
-    )
+        path = files["stl"] = settings.folder / "parts" / "stl" / f"{job.number}.stl"
+        path.write_bytes(stl_bytes(made.mesh, job.number))
+    clock.lap("write")
+    return PartResult(job, made.properties, made.mesh, tuple(checks), files, clock.seconds)
 
 
-def verify_parts(
-    tasks: Sequence[tuple[str, float, TriangleMesh, dict[str, Path]]],
-) -> tuple[dict[str, list[Check]], float]:
-    """Read files back: (number, volume, mesh, files) -> checks by number, and seconds."""
+def verify_parts(tasks: Sequence[VerifyTask]) -> tuple[dict[str, list[Check]], float]:
+    """Read files back and look closer at the meshes: checks by number, and the seconds it took."""
     begin = time.perf_counter()
     found: dict[str, list[Check]] = {}
     for number, volume, mesh, files in tasks:
-        found[number] = []
+        crossing = float(len(crossings(mesh)))
+        found[number] = [Check("mesh crossings", crossing == 0, crossing, 0.0)]
         if "step" in files:
             found[number] += check_step_part(files["step"], number=number, volume=volume)
         if "stl" in files:
@@ -134,39 +144,46 @@ def verify_parts(
     return found, time.perf_counter() - begin
 
 
-def verify_assembly(
-    path: Path, expected: Mapping[str, tuple[str, float, Placement]]
-) -> tuple[list[Check], float]:
-    """Read assembly.step back: expected (number, volume, placement) by mark."""
-    begin = time.perf_counter()
-    checks = check_step_assembly(path, expected)
-    return checks, time.perf_counter() - begin
-
-
 def assemble(
     path: Path,
     name: str,
-    parts: Sequence[PartResult],
+    parts: Sequence[tuple[PartJob, Properties]],
     instances: Sequence[tuple[str, str, Placement]],
     settings: PartSettings,
-) -> float:
-    """Write assembly.step from made parts; returns the seconds it took."""
-    begin = time.perf_counter()
+    verify: bool,
+) -> tuple[list[Check], dict[str, float]]:
+    """Write assembly.step and, if asked, read it back: checks of the whole, and seconds."""
+    clock = _Clock()
+    boundaries = {job.number: boundary_of(job.shape) for job, _ in parts}
+    exact = all(boundary is not None for boundary in boundaries.values())
     products = [
         Product(
-            part.number,
-            part.role,
-            solid_from_bytes(part.solid),
-            part.properties,
-            settings.materials[part.role],
+            job.number,
+            job.role,
+            None if exact else solid_of(job.shape),
+            properties,
+            settings.materials[job.role],
+            boundaries[job.number],
         )
-        for part in parts
-        if part.solid is not None
+        for job, properties in parts
     ]
-    write_assembly(
-        path, products, instances, name=name, header=settings.header, schema=settings.schema
+    data = assembly_bytes(
+        products,
+        instances,
+        name=name,
+        file_name=path.name,
+        header=settings.header,
+        schema=settings.schema,
     )
-    return time.perf_counter() - begin
+    path.write_bytes(data)
+    clock.lap("assembly.step")
+    checks: list[Check] = []
+    if verify:
+        volume = {job.number: properties.volume for job, properties in parts}
+        expected = {mark: (number, volume[number], at) for number, mark, at in instances}
+        checks = check_step_assembly(path, expected)
+        clock.lap("read back assembly.step")
+    return checks, clock.seconds
 
 
 class _Clock:

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
 import numpy as np
 
@@ -35,9 +35,9 @@ from fabrication.parts import (
     PartJob,
     PartResult,
     PartSettings,
+    VerifyTask,
     assemble,
     make_parts,
-    verify_assembly,
     verify_parts,
 )
 from fabrication.problems import problems_of
@@ -54,9 +54,6 @@ BATCH: Final = 24
 
 SAMPLE: Final = 10
 """`verify = "sample"` reads back one part number in so many."""
-
-Item = TypeVar("Item")
-Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -182,10 +179,15 @@ class _Job:
         self.settings = _part_settings(design, staging, self.formats)
 
     def run(self) -> JobResult:
-        """All steps; the manifest comes last."""
+        """All steps; the manifest comes last.
+
+        The pool reads part files back while this process looks at clearances and draws; the
+        assembly is written from what passed so far and, should reading back find more, again.
+        """
         with self._timed("parts"):
             parts = self._make()
-        reading = self._verify(parts)
+        tasks = self._verify_tasks(parts)
+        reading = [self.pool.submit(verify_parts, task) for task in tasks[: len(tasks) // 3]]
         with self._timed("clearances"):
             self.tell("clearances", 0, 0)
             pieces = check_assembly(
@@ -194,17 +196,25 @@ class _Job:
                 clearances(self.design),
                 tolerance=2 * CHORD_MM,
             )
-        with self._timed("schedules"):
-            self._write_schedules()
-        with self._timed("read back (waiting)"):
-            parts = self._collect(parts, reading)
         checks = self._checks_by_mark(parts, pieces)
-        failed = {mark for mark, list_ in checks.items() if not all(c.passed for c in list_)}
-        self._reject(parts, failed)
+        failed = _failed(checks)
         assembly = self._assemble(parts, failed)
+        reading += [self.pool.submit(verify_parts, task) for task in tasks[len(tasks) // 3 :]]
         with self._timed("model and preview"):
             self._write_models(parts, failed)
-        extra = self._finish_assembly(assembly, parts, failed)
+        with self._timed("waiting for files read back"):
+            found = self._collect(reading)
+            extra = self._collect_assembly(assembly)
+        if any(not check.passed for list_ in found.values() for check in list_):
+            parts = [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
+            checks = self._checks_by_mark(parts, pieces)
+            failed = _failed(checks)
+            extra = self._collect_assembly(self._assemble(parts, failed))
+            self._write_models(parts, failed)
+        else:
+            parts = [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
+            checks = self._checks_by_mark(parts, pieces)
+        self._reject(parts, failed)
         return self._finish(parts, checks, extra)
 
     def _within_limits(self) -> list[Family]:
@@ -221,53 +231,41 @@ class _Job:
 
     # --- parts -------------------------------------------------------------------------------
     def _make(self) -> list[PartResult]:
+        """All part numbers, in the pool; this process writes the schedules meanwhile."""
         jobs = [PartJob(f.number, f.role, f.shape) for f in self.design.families]
         for kind in ("step", "stl"):
             if kind in self.formats:
                 (self.staging / "parts" / kind).mkdir(parents=True)
-        return list(self._pooled("parts", make_parts, jobs, self.settings))
+        batches = [jobs[i : i + BATCH] for i in range(0, len(jobs), BATCH)]
+        futures = [self.pool.submit(make_parts, batch, self.settings) for batch in batches]
+        with self._timed("schedules"):
+            self._write_schedules()
+        parts: list[PartResult] = []
+        for future in futures:
+            parts += future.result()
+            self.tell("parts", len(parts), len(jobs))
+        for part in parts:
+            for name, seconds in part.seconds.items():
+                self._add(f"part {name}", seconds)
+        return parts
 
-    def _verify(self, parts: Sequence[PartResult]) -> list[Future[Any]]:
-        """Start reading files back; the futures give (number, checks)."""
+    def _verify_tasks(self, parts: Sequence[PartResult]) -> list[list[VerifyTask]]:
+        """Batches of part numbers to be read back, as the project asks."""
         every = {"all": 1, "sample": SAMPLE, "none": 0}[self.design.project.checks.verify]
         if not every:
             return []
         tasks = [(p.number, p.properties.volume, p.mesh, p.files) for p in parts[::every]]
-        return [
-            self.pool.submit(verify_parts, tasks[i : i + BATCH])
-            for i in range(0, len(tasks), BATCH)
-        ]
+        return [tasks[i : i + BATCH] for i in range(0, len(tasks), BATCH)]
 
-    def _collect(
-        self, parts: Sequence[PartResult], reading: Sequence[Future[Any]]
-    ) -> list[PartResult]:
-        """The parts with the checks of their files added."""
+    def _collect(self, reading: Sequence[Future[Any]]) -> dict[str, list[Check]]:
+        """Wait for files read back: checks by part number."""
         found: dict[str, list[Check]] = {}
         for done, future in enumerate(as_completed(reading), 1):
             checked, seconds = future.result()
             found.update(checked)
-            self._add("read back", seconds)
+            self._add("read back (all processes)", seconds)
             self.tell("read back", done, len(reading))
-        return [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
-
-    def _pooled(
-        self,
-        step: str,
-        work: Callable[[Sequence[Item], PartSettings], list[PartResult]],
-        items: Sequence[Item],
-        settings: PartSettings,
-    ) -> Iterator[PartResult]:
-        """Work on batches in the pool; results in the order of the items."""
-        futures = [
-            self.pool.submit(work, items[i : i + BATCH], settings)
-            for i in range(0, len(items), BATCH)
-        ]
-        for done, future in enumerate(futures, 1):
-            for result in future.result():
-                for name, seconds in result.seconds.items():
-                    self._add(f"part {name}", seconds)
-                yield result
-            self.tell(step, min(done * BATCH, len(items)), len(items))
+        return found
 
     def _checks_by_mark(
         self, parts: Sequence[PartResult], pieces: dict[str, list[Check]]
@@ -298,8 +296,8 @@ class _Job:
                     shutil.copy2(path, target)
 
     # --- the whole ---------------------------------------------------------------------------
-    def _assemble(self, parts: Sequence[PartResult], failed: set[str]) -> Future[float] | None:
-        """Start writing assembly.step of the pieces that passed."""
+    def _assemble(self, parts: Sequence[PartResult], failed: set[str]) -> Future[Any] | None:
+        """Start writing assembly.step of the pieces that passed, and reading it back."""
         instances = [
             (family.number, instance.mark, instance.placement)
             for family in self.design.families
@@ -309,37 +307,24 @@ class _Job:
         if "step" not in self.formats or not instances:
             return None
         used = {number for number, _, _ in instances}
-        self.tell("assembly.step", 0, 0)
         return self.pool.submit(
             assemble,
             self.staging / "assembly.step",
             self.design.project.name,
-            [part for part in parts if part.number in used],
+            [(part.job, part.properties) for part in parts if part.number in used],
             instances,
             self.settings,
+            self.design.project.checks.verify != "none",
         )
 
-    def _finish_assembly(
-        self, writing: Future[float] | None, parts: Sequence[PartResult], failed: set[str]
-    ) -> list[Check]:
-        """Wait for assembly.step, read it back, and return the checks of the whole."""
+    def _collect_assembly(self, writing: Future[Any] | None) -> list[Check]:
+        """Wait for assembly.step; the checks of the whole."""
         if writing is None:
             return []
-        self.seconds["assembly.step"] = writing.result()
-        if self.design.project.checks.verify == "none":
-            return []
-        self.tell("read back assembly.step", 0, 0)
-        volume = {part.number: part.properties.volume for part in parts}
-        expected = {
-            instance.mark: (family.number, volume[family.number], instance.placement)
-            for family in self.design.families
-            for instance in family.instances
-            if instance.mark not in failed
-        }
-        checks, seconds = self.pool.submit(
-            verify_assembly, self.staging / "assembly.step", expected
-        ).result()
-        self.seconds["read back assembly.step"] = seconds
+        self.tell("assembly.step", 0, 0)
+        checks, seconds = writing.result()
+        for step, time_s in seconds.items():
+            self._add(step, time_s)
         return list(checks)
 
     def _write_schedules(self) -> None:
@@ -351,7 +336,8 @@ class _Job:
                 table.to_csv(folder / f"{name}.csv")
         if "xlsx" in self.formats:
             folder.mkdir(exist_ok=True)
-            write_xlsx(folder / "schedule.xlsx", {name: table.rows for name, table in tables.items()})
+            rows = {name: table.rows for name, table in tables.items()}
+            write_xlsx(folder / "schedule.xlsx", rows)
 
     def _write_models(self, parts: Sequence[PartResult], failed: set[str]) -> None:
         self.tell("model and preview", 0, 0)
@@ -410,7 +396,8 @@ class _Job:
             part = results[family.number]
             density = self.settings.materials[family.role].density
             for instance in family.instances:
-                placed = part.mesh.vertices @ instance.placement[:3, :3].T + instance.placement[:3, 3]
+                turn, shift = instance.placement[:3, :3], instance.placement[:3, 3]
+                placed = part.mesh.vertices @ turn.T + shift
                 records.append(
                     part_record(
                         mark=instance.mark,
@@ -433,6 +420,11 @@ class _Job:
 
     def _add(self, step: str, seconds: float) -> None:
         self.seconds[step] = self.seconds.get(step, 0.0) + seconds
+
+
+def _failed(checks: dict[str, list[Check]]) -> set[str]:
+    """Marks of the pieces that failed a check."""
+    return {mark for mark, list_ in checks.items() if not all(c.passed for c in list_)}
 
 
 def clearances(design: Design) -> dict[tuple[Role, Role], float]:

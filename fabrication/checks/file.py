@@ -16,8 +16,9 @@ from fabrication.export.stl import read_stl
 from fabrication.export.xcaf import components, free_labels, get_name, read_document
 from fabrication.specs import Check, TriangleMesh
 
-FILE_VOLUME_RELATIVE: Final = 1e-7
-"""How far a volume read back may be from the one written, relative to it (STEP's digits)."""
+FILE_VOLUME_RELATIVE: Final = 1e-6
+"""How far a volume read back may be from the one written, relative to it: STEP's digits, and the
+reader's own curves on cylinders (5.6e-8 on a coped tee, 2.6e-7 on a part made by booleans)."""
 
 STEP_UNIT: Final = "millimetre"
 """The length unit of every STEP file that we write, as OCCT's reader names it."""
@@ -48,8 +49,10 @@ class StepContent:
     unit: str
 
 
-def read_step(path: Path) -> StepContent:
-    """Read a STEP file with OCCT's XCAF reader and validate each product once.
+def read_step(path: Path, *, validate: bool = True) -> StepContent:
+    """Read a STEP file with OCCT's XCAF reader and measure each product once.
+
+    Without `validate` the products go without BRepCheck.
 
     The reader mends small faults on the way (tolerances, a shell that is inside out), so a product
     is called valid as this reader sees it.
@@ -63,7 +66,7 @@ def read_step(path: Path) -> StepContent:
     products: dict[str, StepProduct] = {}
     instances: list[tuple[str, str, Floats]] = []
     for label in free_labels(document):
-        _walk(label, np.eye(4), get_name(label), products, instances)
+        _walk(label, np.eye(4), get_name(label), products, instances, validate)
     return StepContent(tuple(products.values()), tuple(instances), ", ".join(units))
 
 
@@ -133,6 +136,7 @@ def _walk(
     name: str,
     products: dict[str, StepProduct],
     instances: list[tuple[str, str, Floats]],
+    validate: bool,
 ) -> None:
     """Collect products and placed instances below a label."""
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
@@ -140,13 +144,14 @@ def _walk(
     if XCAFDoc_ShapeTool.IsAssembly_s(label):
         for component, target in components(label):
             placed = motion @ matrix(XCAFDoc_ShapeTool.GetLocation_s(component))
-            _walk(target, placed, get_name(component), products, instances)
+            _walk(target, placed, get_name(component), products, instances, validate)
         return
     product = get_name(label)
     instances.append((product, name, motion))
     entry = str(label.Tag())
     if entry not in products:
-        products[entry] = StepProduct(product, inspect_solid(XCAFDoc_ShapeTool.GetShape_s(label)))
+        shape = XCAFDoc_ShapeTool.GetShape_s(label)
+        products[entry] = StepProduct(product, inspect_solid(shape, validate=validate))
 
 
 def matrix(location: Any) -> Floats:

@@ -17,13 +17,16 @@ class SolidReport:
 
     solids: int
     closed: bool
-    valid: bool
+    valid: bool | None
     volume: float
     faults: tuple[str, ...] = ()
 
 
-def inspect_solid(shape: Any) -> SolidReport:
-    """Measure a kernel shape: number of solids, closedness, BRepCheck, volume by integration."""
+def inspect_solid(shape: Any, *, validate: bool = True) -> SolidReport:
+    """Measure a kernel shape: number of solids, closedness, BRepCheck, volume by integration.
+
+    Without `validate`, BRepCheck (most of the time) is left out and `valid` is None.
+    """
     from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
@@ -35,8 +38,8 @@ def inspect_solid(shape: Any) -> SolidReport:
     while explorer.More():
         solids += 1
         explorer.Next()
-    analyzer = BRepCheck_Analyzer(shape)
-    valid = bool(analyzer.IsValid())
+    analyzer = BRepCheck_Analyzer(shape) if validate else None
+    valid = None if analyzer is None else bool(analyzer.IsValid())
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape, properties)
     return SolidReport(
@@ -44,7 +47,7 @@ def inspect_solid(shape: Any) -> SolidReport:
         closed=_closed(shape),
         valid=valid,
         volume=float(properties.Mass()),
-        faults=() if valid else _faults(shape, analyzer),
+        faults=_faults(shape, analyzer) if valid is False else (),
     )
 
 
@@ -69,7 +72,7 @@ def check_solid(
     return [
         Check("solid one", report.solids == 1, float(report.solids), 1.0),
         Check("solid closed", report.closed),
-        Check("solid valid", report.valid, "; ".join(report.faults) or None),
+        Check("solid valid", bool(report.valid), "; ".join(report.faults) or None),
         Check(
             "solid volume",
             report.volume > 0 and expected_volume > 0 and deviation <= relative,

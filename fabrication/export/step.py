@@ -31,8 +31,7 @@ from fabrication.export.steprecords import (
 from fabrication.export.steptext import coloured, encoded, mended_density, renumbered
 from fabrication.export.version import originating_system
 from fabrication.export.xcaf import mute, new_document, set_name
-from fabrication.solids.boundary import Boundary
-from fabrication.specs import Placement, Properties, Role
+from fabrication.specs import Placement
 
 __all__ = [
     "COLOURS",
@@ -43,7 +42,9 @@ __all__ = [
     "Material",
     "Product",
     "Schema",
+    "assembly_bytes",
     "location",
+    "part_bytes",
     "time_stamp",
     "write_assembly",
     "write_part",
@@ -54,50 +55,76 @@ _SCHEMA_OPTION: Final[dict[str, str]] = {"AP214": "AP214IS", "AP242": "AP242DIS"
 _WRITING: Final = threading.Lock()
 
 
-def write_part(
-    path: Path,
-    solid: Any,
-    *,
-    number: str,
-    role: Role,
-    properties: Properties,
-    header: Header | None = None,
-    material: Material | None = None,
-    schema: Schema = "AP214",
-    boundary: Boundary | None = None,
-) -> None:
-    """Write one part number as a STEP file (atomically).
+def part_bytes(
+    product: Product, file_name: str, *, header: Header | None = None, schema: Schema = "AP214"
+) -> bytes:
+    """One part number as a STEP file: text where it has a boundary, else by OCCT.
 
-    Parameters
-    ----------
-    solid : TopoDS_Solid in the part's own frame [mm]; not looked at where there is a boundary
-    boundary : the same as an exact boundary, which is written as text, without the kernel
+    Raises
+    ------
+    KernelError
+        OCCT refused the solid.
+    """
+    header = header or Header()
+    if product.boundary is not None:
+        return part_text(
+            product.boundary,
+            number=product.number,
+            role=product.role,
+            properties=product.properties,
+            file_name=file_name,
+            header=header,
+            material=product.material,
+            schema=schema,
+        )
+    document = new_document()
+    _add_product(document, product)
+    return _document_bytes(document, file_name, header, schema)
+
+
+def write_part(
+    path: Path, product: Product, *, header: Header | None = None, schema: Schema = "AP214"
+) -> None:
+    """Write one part number as a STEP file (atomically); see `part_bytes`.
 
     Raises
     ------
     OutputError
         The file cannot be written.
+    """
+    with atomic_write(path) as file:
+        file.write(part_bytes(product, path.name, header=header, schema=schema))
+
+
+def assembly_bytes(
+    products: Sequence[Product],
+    instances: Iterable[tuple[str, str, Placement]],
+    *,
+    name: str,
+    file_name: str,
+    header: Header | None = None,
+    schema: Schema = "AP214",
+) -> bytes:
+    """The whole as true instances: one shape a part number, many placements.
+
+    The instances hang in one sub-assembly a role (Beams, Nodes, Panels) under the root `name`.
+
+    Parameters
+    ----------
+    products : written as text when all have boundaries; else all need their solids
+    instances : (part number, piece mark, (4, 4) placement [mm]) of every piece
+
+    Raises
+    ------
     KernelError
-        OCCT refused the solid.
+        An instance of an unknown part number, or OCCT refused.
     """
     header = header or Header()
-    if boundary is not None:
-        data = part_text(
-            boundary,
-            number=number,
-            role=role,
-            properties=properties,
-            file_name=path.name,
-            header=header,
-            material=material,
-            schema=schema,
+    if products and all(product.boundary is not None for product in products):
+        return assembly_text(
+            products, instances, name=name, file_name=file_name, header=header, schema=schema
         )
-    else:
-        document = new_document()
-        _add_product(document, Product(number, role, solid, properties, material))
-        data = _document_bytes(document, path.name, header, schema)
-    with atomic_write(path) as file:
-        file.write(data)
+    return _document_bytes(_assembly_document(products, instances, name), file_name, header, schema)
 
 
 def write_assembly(
@@ -109,30 +136,16 @@ def write_assembly(
     header: Header | None = None,
     schema: Schema = "AP214",
 ) -> None:
-    """Write the whole as true instances: one shape a part number, many placements (atomically).
-
-    The instances hang in one sub-assembly a role (Beams, Nodes, Panels) under the root `name`.
-
-    Parameters
-    ----------
-    products : written as text when all have boundaries; else all need their solids
-    instances : (part number, piece mark, (4, 4) placement [mm]) of every piece
+    """Write the whole as true instances (atomically); see `assembly_bytes`.
 
     Raises
     ------
     OutputError
         The file cannot be written.
-    KernelError
-        An instance of an unknown part number, or OCCT refused.
     """
-    header = header or Header()
-    if products and all(product.boundary is not None for product in products):
-        data = assembly_text(
-            products, instances, name=name, file_name=path.name, header=header, schema=schema
-        )
-    else:
-        document = _assembly_document(products, instances, name)
-        data = _document_bytes(document, path.name, header, schema)
+    data = assembly_bytes(
+        products, instances, name=name, file_name=path.name, header=header, schema=schema
+    )
     with atomic_write(path) as file:
         file.write(data)
 

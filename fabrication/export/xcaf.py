@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import io
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from ddgfab.errors import InputError
 
 
+@cache
 def mute() -> None:
-    """Keep OCCT from printing transfer statistics to the standard output of the process."""
+    """Keep OCCT from printing transfer statistics to the standard output of this process."""
     from OCP.Message import Message, Message_Gravity
 
     for printer in Message.DefaultMessenger_s().Printers():

@@ -5,7 +5,8 @@ Only `solid_of`, and what is said below of shapes without an exact boundary, loa
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from fabrication.solids.beam import beam_boundary, beam_is_exact
 from fabrication.solids.boundary import Boundary
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CHORD",
     "Boundary",
+    "Realised",
     "boundary_of",
     "genus_of",
     "is_valid",
@@ -30,6 +32,7 @@ __all__ = [
     "load_kernel",
     "mesh_of",
     "properties_of",
+    "realise",
     "second_volume_of",
     "solid_from",
     "solid_of",
@@ -169,3 +172,43 @@ def genus_of(shape: Shape) -> int:
     if isinstance(shape, NodeShape):
         genus += sum(drill.bottom is None for drill in drills(shape))
     return genus
+
+
+@dataclass(frozen=True, eq=False)
+class Realised:
+    """Everything about a shape, from one description: boundary where it is exact, solid if made."""
+
+    boundary: Boundary | None
+    solid: Any
+    properties: Properties
+    mesh: TriangleMesh
+    genus: int
+
+
+def realise(shape: Shape, chord: float = CHORD, *, solid: bool = True) -> Realised:
+    """Boundary, kernel solid, properties, mesh and genus of a shape, each made once.
+
+    Without `solid` the kernel is loaded only for shapes that have no exact boundary.
+
+    Raises
+    ------
+    DetailError
+        The shape is impossible.
+    KernelError
+        The kernel is needed and missing, of another build, or fails.
+    """
+    boundary = boundary_of(shape)
+    if boundary is not None:
+        return Realised(
+            boundary,
+            solid_from(boundary) if solid else None,
+            properties(boundary),
+            tessellate(boundary, chord),
+            boundary.genus,
+        )
+    from fabrication.solids.booleans import kernel_mesh
+
+    body = solid_of(shape)
+    measured = kernel_properties(body, adaptive=True)
+    exact = Properties(second_volume_of(shape), measured.area, measured.centroid)
+    return Realised(None, body, exact, kernel_mesh(body, chord), genus_of(shape))

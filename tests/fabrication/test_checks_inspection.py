@@ -103,7 +103,7 @@ def test_step_files(tmp_path: Path) -> None:
     solid = BRepPrimAPI_MakeBox(10, 20, 30).Solid()
     properties = Properties(6000.0, 2200.0, (5, 10, 15))
     path = tmp_path / "a.step"
-    write_part(path, solid, number="BP-001", role="beam", properties=properties)
+    write_part(path, Product("BP-001", "beam", solid, properties))
     report = inspect_file(path)
     assert report.passed
     assert (report.bodies[0].name, report.bodies[0].solids) == ("BP-001", 1)

@@ -1,4 +1,4 @@
-"""The whole way: complete folders, matching ids and volumes, rejected parts, nothing half written."""
+"""The whole way: complete folders, matching ids and volumes, rejected parts, no half jobs."""
 
 from __future__ import annotations
 
@@ -42,9 +42,7 @@ def test_one_part_for_each_element(small_folder: Path, small_design: Design) -> 
 
 def test_manifest_lists_every_file(small_folder: Path) -> None:
     listed = {record["path"]: record for record in manifest_of(small_folder)["files"]}
-    found = {
-        p.relative_to(small_folder).as_posix() for p in small_folder.rglob("*") if p.is_file()
-    }
+    found = {p.relative_to(small_folder).as_posix() for p in small_folder.rglob("*") if p.is_file()}
     assert found == set(listed) | {"manifest.json"}
     for name, record in listed.items():
         data = (small_folder / name).read_bytes()
