@@ -51,8 +51,8 @@ class Material:
 class Product:
     """A part number: its role, geometry in its own frame, properties and material.
 
-    The geometry is the exact boundary where there is one (much faster to write), and the kernel
-    solid where there is not; an assembly in which any product has no boundary needs all solids.
+    The geometry is the exact boundary where there is one (much faster to write); only where there
+    is none, the kernel solid is looked at.
     """
 
     number: str

@@ -1,8 +1,7 @@
-"""OCCT's extended (XCAF) documents: made, named, and read back from STEP; shapes as bytes."""
+"""OCCT's extended (XCAF) documents, as read back from STEP: labels, names, components."""
 
 from __future__ import annotations
 
-import io
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -31,14 +30,6 @@ def new_document() -> Any:
     XCAFApp_Application.GetApplication_s().InitDocument(document)
     XCAFDoc_DocumentTool.SetLengthUnit_s(document, 0.001)
     return document
-
-
-def set_name(label: Any, name: str) -> None:
-    """Name a label."""
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDataStd import TDataStd_Name
-
-    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name, True))
 
 
 def get_name(label: Any) -> str:
@@ -111,26 +102,3 @@ def components(label: Any) -> list[tuple[Any, Any]]:
         XCAFDoc_ShapeTool.GetReferredShape_s(component, target)
         pairs.append((component, target))
     return pairs
-
-
-def solid_to_bytes(solid: Any) -> bytes:
-    """A kernel shape as a BinTools stream: the cheapest way between processes."""
-    from OCP.BinTools import BinTools
-
-    stream = io.BytesIO()
-    BinTools.Write_s(solid, stream)
-    return stream.getvalue()
-
-
-def solid_from_bytes(data: bytes) -> Any:
-    """The kernel shape that `solid_to_bytes` streamed, as its proper subtype.
-
-    The bytes are trusted: what is no such stream ends in an exception of the kernel.
-    """
-    from OCP.BinTools import BinTools
-    from OCP.TopAbs import TopAbs_ShapeEnum
-    from OCP.TopoDS import TopoDS, TopoDS_Shape
-
-    shape = TopoDS_Shape()
-    BinTools.Read_s(shape, io.BytesIO(data))
-    return TopoDS.Solid_s(shape) if shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID else shape

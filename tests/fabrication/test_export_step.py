@@ -1,4 +1,4 @@
-"""STEP files: written by XCAF, opened again by OCCT's reader, by cadquery and by build123d."""
+"""STEP files of kernel solids: opened again by OCCT's reader, cadquery, build123d and FreeCAD."""
 
 from __future__ import annotations
 
@@ -23,8 +23,6 @@ from fabrication.export.xcaf import (
     free_labels,
     get_name,
     read_document,
-    solid_from_bytes,
-    solid_to_bytes,
 )
 from fabrication.specs import Properties
 
@@ -315,15 +313,3 @@ def test_errors_name_the_piece_and_the_path(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="nowhere"):
         write(tmp_path / "nowhere" / "a.step", products(), INSTANCES, name="x")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_solid_survives_the_way_through_bytes() -> None:
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-    from OCP.TopoDS import TopoDS_Solid
-
-    back = solid_from_bytes(solid_to_bytes(box(2, 3, 4)))
-    assert isinstance(back, TopoDS_Solid)
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(back, properties)
-    assert properties.Mass() == pytest.approx(24)
