@@ -1,1 +1,19 @@
-"""ddgfab: discrete parametric surfaces, numpy and scipy only."""
+"""ddgfab: discrete parametric surfaces and their torsion-free structures; numpy and scipy only."""
+
+from __future__ import annotations
+
+from ddgfab.errors import DdgError
+from ddgfab.io import read_mesh, write_obj
+from ddgfab.measures import inspect
+from ddgfab.mesh import Mesh
+from ddgfab.support import SupportStructure, support_structure
+
+__all__ = [
+    "DdgError",
+    "Mesh",
+    "SupportStructure",
+    "inspect",
+    "read_mesh",
+    "support_structure",
+    "write_obj",
+]

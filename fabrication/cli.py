@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from fabrication.design import Progress
+    from fabrication.designs import Progress
     from fabrication.pipeline import JobResult
 
 app = typer.Typer(
@@ -70,7 +70,7 @@ def make_command(
 ) -> None:
     """From a mesh or project to checked CAD files and schedules."""
     with _errors(debug), _progress() as tell:
-        from fabrication.design import design_net, find_project, load_net
+        from fabrication.designs import design_net, find_project, load_net
         from fabrication.pipeline import make, worker_pool
 
         begin = time.perf_counter()

@@ -17,7 +17,7 @@ import numpy as np
 
 from ddgfab.errors import OutputError
 from fabrication.checks.assembly import check_assembly
-from fabrication.design import Design, Progress
+from fabrication.designs import Design, Progress
 from fabrication.detailing.clearance import PANEL_CLEARANCE
 from fabrication.export.folder import OutputFolder, safe_name
 from fabrication.export.glb import write_glb

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from roofs import barrel
 
-from fabrication.design import Design, design
-from fabrication.pipeline import JobResult
+from fabrication.designs import Design, design
+from fabrication.pipeline import JobResult, make
 
 
 @pytest.fixture(scope="session")
@@ -20,7 +20,7 @@ def small_design() -> Design:
 @pytest.fixture(scope="session")
 def small_job(small_design: Design, tmp_path_factory: pytest.TempPathFactory) -> JobResult:
     """Its files, made in this process."""
-    return small_design.make(tmp_path_factory.mktemp("jobs") / "barrel")
+    return make(small_design, tmp_path_factory.mktemp("jobs") / "barrel")
 
 
 @pytest.fixture(scope="session")

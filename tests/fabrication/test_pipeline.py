@@ -14,9 +14,9 @@ import pytest
 from roofs import barrel
 
 from ddgfab.errors import OutputError
-from fabrication.design import Design, design
+from fabrication.designs import Design, design
 from fabrication.export.stl import read_stl
-from fabrication.pipeline import CHORD_MM, JobResult
+from fabrication.pipeline import CHORD_MM, JobResult, make
 
 pytestmark = pytest.mark.slow
 
@@ -98,7 +98,7 @@ def test_instances_are_shared_and_named(small_folder: Path) -> None:
 def test_same_input_gives_the_same_bytes(
     small_design: Design, small_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    again = design(barrel(), project={"name": "barrel"}).make(tmp_path / "barrel", jobs=1).folder
+    again = make(design(barrel(), project={"name": "barrel"}), tmp_path / "barrel").folder
     for path in sorted(small_folder.rglob("*")):
         name = path.relative_to(small_folder)
         if path.suffix in {".csv", ".stl", ".glb"}:
@@ -113,7 +113,7 @@ def test_parts_beyond_a_limit_are_rejected_not_flattened(tmp_path: Path) -> None
     points = mesh.vertices.copy()
     inner = int(np.flatnonzero(~mesh.boundary_vertex)[0])
     points[inner] += 25.0 * mesh.vertex_normals[inner]
-    result = design(mesh.with_vertices(points)).make(tmp_path / "bent")
+    result = make(design(mesh.with_vertices(points)), tmp_path / "bent")
     assert result.exit_code == 1
     manifest = manifest_of(result.folder)
     failed = {
@@ -134,8 +134,6 @@ def test_parts_beyond_a_limit_are_rejected_not_flattened(tmp_path: Path) -> None
 
 
 def test_an_interrupted_job_leaves_nothing(small_design: Design, tmp_path: Path) -> None:
-    from fabrication.pipeline import make
-
     def interrupt(step: str, done: int, of: int) -> None:
         if step == "model and preview":
             raise KeyboardInterrupt
@@ -149,15 +147,15 @@ def test_a_foreign_folder_is_not_replaced(small_design: Design, tmp_path: Path) 
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("years of work")
     with pytest.raises(OutputError, match="mine"):
-        small_design.make(tmp_path / "mine")
+        make(small_design, tmp_path / "mine")
     assert (tmp_path / "mine" / "thesis.txt").read_text() == "years of work"
     assert [p.name for p in tmp_path.iterdir()] == ["mine"]
 
 
 def test_our_folder_is_replaced_whole(small_design: Design, tmp_path: Path) -> None:
-    first = small_design.make(tmp_path / "out")
+    first = make(small_design, tmp_path / "out")
     assert (first.folder / "model.glb").exists()
-    plain = design(barrel(), output={"formats": ["csv"]}).make(tmp_path / "out")
+    plain = make(design(barrel(), output={"formats": ["csv"]}), tmp_path / "out")
     assert sorted(p.name for p in plain.folder.rglob("*.csv")) == [
         "beams.csv",
         "nodes.csv",
@@ -178,7 +176,7 @@ def test_a_full_disk_ends_in_one_message(small_design: Design, tmp_path: Path) -
         pytest.skip(f"cannot mount a small disk here: {mounted.stderr.decode().strip()}")
     try:
         with pytest.raises(OutputError, match="full"):
-            small_design.make(disk / "out")
+            make(small_design, disk / "out")
         assert list(disk.iterdir()) == []
     finally:
         subprocess.run(["umount", str(disk)], check=True)

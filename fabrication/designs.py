@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
@@ -22,9 +22,6 @@ from fabrication.project import Project, load_project, make_project, project_for
 from fabrication.schedules import schedules
 from fabrication.specs import Family
 from fabrication.table import Table
-
-if TYPE_CHECKING:
-    from fabrication.pipeline import JobResult
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with the step's name, how much of it is done, and how much there is (0: unknown)."""
@@ -110,18 +107,6 @@ class Design:
         from fabrication.export.hand_over import to_cadquery
 
         return to_cadquery(self.project.name, self.families)
-
-    def make(self, folder: str | Path | None = None, *, jobs: int = 1) -> JobResult:
-        """Solids, checks and files, as `ddgfab make` writes them.
-
-        Parameters
-        ----------
-        folder : the output folder; default outputs/<project>
-        jobs : processes; more than one needs the caller's ``if __name__ == "__main__"`` guard
-        """
-        from fabrication.pipeline import make
-
-        return make(self, folder, jobs=jobs)
 
     def _repr_png_(self) -> bytes:
         from fabrication.export.preview import preview_png
