@@ -1,10 +1,10 @@
-
 """Parts: build and check each kind of part, against the way build123d's documentation suggests.
 
     python benchmarks/parts.py [--parts N]
 
 Both sides make the same solids in one run and check them with the kernel's BRepCheck; every part
-has dimensions of its own, so nothing can be reused. Median of three rounds. Target: 20 times.
+has dimensions of its own, so nothing can be reused. The other side is `naive.py`. Median of three
+rounds. Target: 20 times.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import math
 import statistics
 import time
 from collections.abc import Callable
-from typing import Any
 
+import naive
 import numpy as np
 
 from fabrication.solids import is_valid, kernel_properties, load_kernel, solid_of
@@ -64,49 +64,6 @@ def panel_shape(k: int) -> PanelShape:
     return PanelShape(THICKNESS, corners, corners, CORNER)
 
 
-def build123d_beam(k: int) -> Any:
-    """The same bar: extrude, then take away one cylinder after the other."""
-    import build123d as bd
-
-    shape = beam_shape(k)
-    bar = bd.extrude(bd.Plane.YZ * bd.Rectangle(WIDTH, DEPTH), amount=shape.end.x + 100.0)
-    for cut, outward in ((shape.start, -1.0), (shape.end, 1.0)):
-        n = math.hypot(1.0, cut.slope)
-        across = bd.Vector(1.0, 0.0, -cut.slope) * (outward / n)
-        axis = bd.Plane(
-            bd.Vector(cut.x, 0.0, 0.0) + across * COPE, z_dir=(cut.slope / n, 0.0, 1.0 / n)
-        )
-        bar -= axis * bd.Cylinder(COPE, 3.0 * DEPTH)
-    for hole in shape.holes:
-        bar -= bd.Pos(hole.x, 0.0, hole.z) * bd.Rot(90.0, 0.0, 0.0) * bd.Cylinder(HOLE / 2, 50.0)
-    # What the cylinders left beyond the copes.
-    return bar.solids().sort_by(bd.SortBy.VOLUME)[-1]
-
-
-def build123d_node(k: int) -> Any:
-    """The same tube: cylinder minus bore minus a box for every seat."""
-    import build123d as bd
-
-    shape = node_shape(k)
-    height = shape.z1 - shape.z0
-    middle = 0.5 * (shape.z0 + shape.z1)
-    body = bd.Pos(0, 0, middle) * (bd.Cylinder(RADIUS, height) - bd.Cylinder(BORE, height))
-    for seat in shape.seats:
-        box = bd.Pos(seat.distance + RADIUS / 2, 0, middle) * bd.Box(RADIUS, 2 * RADIUS, height)
-        body -= bd.Rot(0, 0, math.degrees(seat.azimuth)) * box
-    return body.solid()
-
-
-def build123d_panel(k: int) -> Any:
-    """The same pane: extrude the polygon, fillet its upright edges."""
-    import build123d as bd
-
-    shape = panel_shape(k)
-    corners = [(x, y) for x, y in shape.inner.tolist()]
-    pane = bd.extrude(bd.Polygon(*corners, align=None), amount=THICKNESS)
-    return bd.fillet(pane.edges().filter_by(bd.Axis.Z), CORNER).solid()
-
-
 def mitred_shape(k: int) -> PanelShape:
     """A pane with mitred sides and rounded corners; its width depends on k."""
     inner = panel_shape(k).inner
@@ -121,27 +78,11 @@ def mitred_shape(k: int) -> PanelShape:
     return PanelShape(THICKNESS, inner, np.array(outer), CORNER)
 
 
-def build123d_mitred(k: int) -> Any:
-    """The same pane: extrude the larger polygon, split at every side plane, fillet the corners."""
-    import build123d as bd
-
-    shape = mitred_shape(k)
-    inner = [bd.Vector(x, y, 0.0) for x, y in shape.inner.tolist()]
-    outer = [bd.Vector(x, y, THICKNESS) for x, y in shape.outer.tolist()]
-    pane: Any = bd.extrude(bd.Polygon(*[(p.X, p.Y) for p in inner], align=None), amount=THICKNESS)
-    for i, corner in enumerate(inner):
-        along = inner[(i + 1) % 4] - corner
-        plane = bd.Plane(corner, x_dir=along, z_dir=along.cross(outer[i] - corner))
-        pane = bd.split(pane, bisect_by=plane, keep=bd.Keep.BOTTOM)
-    corners = pane.edges().filter_by(lambda edge: abs(edge.tangent_at(0.5).Z) > 0.5)
-    return bd.fillet(corners, CORNER).solid()
-
-
-KINDS: list[tuple[str, Callable[[int], Shape], Callable[[int], Any]]] = [
-    ("beam, two copes, two holes", beam_shape, build123d_beam),
-    ("node, four seats, bore", node_shape, build123d_node),
-    ("panel, rounded corners", panel_shape, build123d_panel),
-    ("panel, mitred and rounded", mitred_shape, build123d_mitred),
+KINDS: list[tuple[str, Callable[[int], Shape]]] = [
+    ("beam, two copes, two holes", beam_shape),
+    ("node, four seats, bore", node_shape),
+    ("panel, rounded corners", panel_shape),
+    ("panel, mitred and rounded", mitred_shape),
 ]
 
 
@@ -153,9 +94,7 @@ def per_part(work: Callable[[int], object], count: int) -> float:
     return (time.perf_counter() - begin) / count * 1e3
 
 
-def compare(
-    shape: Callable[[int], Shape], peer: Callable[[int], Any], count: int
-) -> list[tuple[float, float, float, float]]:
+def compare(shape: Callable[[int], Shape], count: int) -> list[tuple[float, float, float, float]]:
     """Milliseconds a part in every round: build and build + check, of ours and of theirs."""
     shapes = [shape(k) for k in range(count)]
 
@@ -165,15 +104,18 @@ def compare(
     def ours_checked(k: int) -> None:
         assert is_valid(solid_of(shapes[k]))
 
+    def theirs(k: int) -> None:
+        naive.solid(shapes[k])
+
     def theirs_checked(k: int) -> None:
-        assert peer(k).is_valid
+        assert naive.solid(shapes[k]).is_valid
 
     few = max(1, count // 8)
     return [
         (
             per_part(ours, count),
             per_part(ours_checked, count),
-            per_part(peer, few),
+            per_part(theirs, few),
             per_part(theirs_checked, few),
         )
         for _ in range(ROUNDS)
@@ -189,10 +131,10 @@ def main() -> None:
     print("milliseconds a part: build / build + validity check")
     print(f"{'part':28}{'ddgfab':>16}{'build123d':>16}{'ratios':>13}{'volumes differ':>17}")
     missed = []
-    for name, shape, peer in KINDS:
+    for name, shape in KINDS:
         one = kernel_properties(solid_of(shape(0))).volume
-        two = kernel_properties(peer(0).wrapped, adaptive=True).volume
-        rounds = compare(shape, peer, count)
+        two = kernel_properties(naive.solid(shape(0)).wrapped, adaptive=True).volume
+        rounds = compare(shape, count)
         a, b, c, d = (statistics.median(column) for column in zip(*rounds, strict=True))
         build = statistics.median(r[2] / r[0] for r in rounds)
         whole = statistics.median(r[3] / r[1] for r in rounds)

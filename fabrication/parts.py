@@ -154,19 +154,12 @@ def assemble(
 ) -> tuple[list[Check], dict[str, float]]:
     """Write assembly.step and, if asked, read it back: checks of the whole, and seconds."""
     clock = _Clock()
-    boundaries = {job.number: boundary_of(job.shape) for job, _ in parts}
-    exact = all(boundary is not None for boundary in boundaries.values())
-    products = [
-        Product(
-            job.number,
-            job.role,
-            None if exact else solid_of(job.shape),
-            properties,
-            settings.materials[job.role],
-            boundaries[job.number],
-        )
-        for job, properties in parts
-    ]
+    products = []
+    for job, properties in parts:
+        boundary = boundary_of(job.shape)
+        solid = solid_of(job.shape) if boundary is None else None
+        material = settings.materials[job.role]
+        products.append(Product(job.number, job.role, solid, properties, material, boundary))
     data = assembly_bytes(
         products,
         instances,
