@@ -71,7 +71,7 @@ def make_command(
     """From a mesh or project to checked CAD files and schedules."""
     with _errors(debug), _progress() as tell:
         from fabrication.designs import design_net, find_project, load_net
-        from fabrication.pipeline import make, worker_pool
+        from fabrication.pipeline import make
 
         begin = time.perf_counter()
         sections = _sections(change or [])
@@ -85,10 +85,8 @@ def make_command(
         if verify is not None:
             sections["checks"] = {**sections.get("checks", {}), "verify": verify}
         project = find_project(source, sections)
-        net = load_net(project)
-        with worker_pool(project.output.jobs) as pool:  # loads the kernel while this one designs
-            plan = design_net(project, net, tell)
-            result = make(plan, output, pool=pool, progress=tell)
+        plan = design_net(project, load_net(project), tell)
+        result = make(plan, output, jobs=project.output.jobs, progress=tell)
         seconds = time.perf_counter() - begin
     _report(repr(plan), result, seconds)
     raise typer.Exit(result.exit_code)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any, Final
 
@@ -89,7 +91,6 @@ def make(
     folder: str | Path | None = None,
     *,
     jobs: int = 1,
-    pool: Executor | None = None,
     progress: Progress | None = None,
 ) -> JobResult:
     """Solids, checks and files of a design; the folder appears complete or not at all.
@@ -99,7 +100,6 @@ def make(
     folder : default outputs/<project name>
     jobs : processes; 1 works in this one. More need a ``if __name__ == "__main__"`` guard in the
         caller, as always with multiprocessing
-    pool : an executor to use instead, as `worker_pool` makes it
     progress : called as (step, done, of)
 
     Raises
@@ -112,11 +112,8 @@ def make(
     name = safe_name(design.project.name)
     target = Path(folder) if folder is not None else Path("outputs") / name
     tell = progress or (lambda step, done, of: None)
-    with OutputFolder(target) as staging:
-        if pool is not None:
-            return _Job(design, staging, target, pool, tell).run()
-        with worker_pool(jobs) as workers:
-            return _Job(design, staging, target, workers, tell).run()
+    with OutputFolder(target) as staging, worker_pool(jobs) as pool:
+        return _Job(design, staging, target, pool, tell).run()
 
 
 @contextmanager
@@ -126,25 +123,40 @@ def worker_pool(jobs: int) -> Iterator[Executor]:
     if count == 1:
         yield _Here()
         return
+    others = active_children()
     pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_warm_up)
     try:
-        for _ in range(count):  # start now: loading the kernel takes as long as the design
-            pool.submit(_ready)
+        with _interrupts_ignored():  # inherited: Ctrl-C is the parent's business
+            for _ in range(count):
+                pool.submit(_ready)
         yield pool
     except BaseException:
+        for worker in active_children():
+            if worker not in others:
+                worker.terminate()  # what it was doing goes with the staging folder
         pool.shutdown(wait=True, cancel_futures=True)
         raise
     pool.shutdown()
 
 
-def _warm_up() -> None:
-    """Of a worker: leave Ctrl-C to the parent, keep the kernel quiet."""
-    import signal
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """SIGINT ignored in this process, where it may be changed (the main thread)."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
+
+def _warm_up() -> None:
+    """Of a worker: load the kernel and keep it quiet."""
     from fabrication.export.xcaf import mute
     from fabrication.solids.kernel import load_kernel
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     load_kernel()
     mute()
 
