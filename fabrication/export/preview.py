@@ -1,4 +1,4 @@
-"""preview.png: the structure from three quarters above, glass translucent, without a display."""
+"""preview.png: the structure from three quarters above with a node close up, without a display."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ import numpy as np
 from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats, Ints
-from fabrication.export.step import COLOURS, FAILED, GROUPS
+from fabrication.export.closeup import REACH, Closeup, Placed, View, closeup, joined, merged, placed
+from fabrication.export.sheet import Pixels, compose, png
+from fabrication.export.step import COLOURS, FAILED
 from fabrication.specs import Family, TriangleMesh
 
 SIZE: Final = (1600, 1000)
@@ -23,23 +25,30 @@ ELEVATION_DEG: Final = 28.0
 FIELD_DEG: Final = 26.0
 """Vertical field of view [deg]: long enough a lens that straight members look straight."""
 
-GLASS: Final = 0.32
-"""Opacity of a pane; its far side is not drawn."""
+NODE_SEEN: Final = 0.03
+"""Nodes wider than this part of the picture need no close-up."""
 
 NOTEBOOK_CHORD: Final = 0.5
 """Chord tolerance [mm] of meshes that are made only to be looked at."""
 
+_COLOURS: Final = {**COLOURS, "beam": (0.36, 0.42, 0.49), "panel": (0.36, 0.72, 0.76)}
 _LOOK: Final[dict[str, dict[str, float]]] = {
-    "beam": {"ambient": 0.28, "diffuse": 0.75, "specular": 0.25, "specular_power": 20},
-    "node": {"ambient": 0.45, "diffuse": 0.80, "specular": 0.30, "specular_power": 20},
-    "panel": {"ambient": 0.50, "diffuse": 0.55, "specular": 0.35, "specular_power": 40},
+    "beam": {"ambient": 0.35, "diffuse": 0.75, "specular": 0.20, "specular_power": 20},
+    "node": {"ambient": 0.45, "diffuse": 0.75, "specular": 0.25, "specular_power": 20},
+    "panel": {"ambient": 0.52, "diffuse": 0.52, "specular": 0.12, "specular_power": 6},
     FAILED: {"ambient": 0.45, "diffuse": 0.70, "specular": 0.10, "specular_power": 10},
 }
-_PANE: Final = (0.42, 0.76, 0.78)  # deeper than the role's colour, as it is mixed with white
+_GLASS: Final = 0.42  # opacity of a pane; its far side is not drawn
+_GLASS_NEAR: Final = 0.30  # the same in the close-up
+_LIGHTS: Final = (((-0.8, 1.1, 0.6), 0.80), ((1.2, 0.3, 0.6), 0.35))  # right, up, back; strength
+_SAMPLES: Final = 2  # drawn so many times finer than shown, each way
 _MARGIN: Final = 1.06  # how much wider than the model the picture is
 _FLAT: Final = 0.08  # a model lower than this part of its width is looked at from higher up
 _DROP: Final = 0.02  # how far the ground lies below the model, as a part of its height
-_SHADOW: Final = 0.86  # grey of the ground where the sun does not reach, 1 is white
+_DOT: Final = 5.0  # a node is at least so many of the 1600 pixels wide
+_FINE: Final = 0.008  # nodes narrower than this part of the picture are seen as such dots
+_LINE: Final = 0.8  # lines along beams are so much darker
+_CREASE_DEG: Final = 25.0  # edges sharper than this are drawn in the close-up
 _ADVICE: Final = "; on Linux without a display VTK needs libEGL or libOSMesa (apt install libegl1)"
 
 
@@ -84,16 +93,14 @@ def render(
     OutputError
         There is nothing to show, or this machine cannot render.
     """
-    merged = merged_by_look(families, meshes, failed)
-    if not merged:
+    pieces = placed(families, meshes, frozenset(failed))
+    if not pieces:
         raise OutputError("no parts to render")
     try:
         import pyvista
 
-        with pyvista.vtk_verbosity(
-            "off"
-        ):  # it grumbles about a missing X server, then does without
-            return _rendered(pyvista, merged, size)
+        with pyvista.vtk_verbosity("off"):  # it complains of a missing X server, does without
+            return _rendered(pyvista, pieces, size)
     except ImportError as error:
         raise OutputError(f"rendering needs pyvista: pip install pyvista ({error})") from error
     except (RuntimeError, OSError, AttributeError) as error:
@@ -113,30 +120,8 @@ def preview_png(families: Sequence[Family]) -> bytes:
     return render(families, {f.number: mesh_of(f.shape, NOTEBOOK_CHORD) for f in families})
 
 
-def merged_by_look(
-    families: Sequence[Family], meshes: Mapping[str, TriangleMesh], failed: Collection[str] = ()
-) -> dict[str, tuple[Floats, Ints]]:
-    """Placed vertices and triangles of all pieces that look the same, by role or "failed"."""
-    pieces: dict[str, list[tuple[Floats, Ints]]] = {look: [] for look in (*GROUPS, FAILED)}
-    for family in families:
-        mesh = meshes[family.number]
-        for instance in family.instances:
-            look: str = FAILED if instance.mark in failed else family.role
-            motion = instance.placement
-            placed = mesh.vertices @ motion[:3, :3].T + motion[:3, 3]
-            pieces[look].append((placed, mesh.triangles))
-    merged: dict[str, tuple[Floats, Ints]] = {}
-    for look, parts in pieces.items():
-        if parts:
-            sizes = [len(vertices) for vertices, _ in parts]
-            shift = np.repeat(np.cumsum([0, *sizes[:-1]]), [len(t) for _, t in parts])
-            triangles = np.concatenate([t for _, t in parts]) + shift[:, None]
-            merged[look] = (np.concatenate([v for v, _ in parts]), triangles)
-    return merged
-
-
-def camera(points: Floats, size: tuple[int, int] = SIZE) -> tuple[Floats, Floats, Floats]:
-    """Position, focal point and up vector from which all (n, 3) points fit the picture.
+def camera(points: Floats, size: tuple[int, int] = SIZE) -> View:
+    """The view in which all (n, 3) points fit the picture.
 
     Looks along the model's broad side turned by a third of a right angle, from 28 degrees up, and
     from higher for a model that is nearly flat.
@@ -170,57 +155,97 @@ def camera(points: Floats, size: tuple[int, int] = SIZE) -> tuple[Floats, Floats
             + right * distance * (across.max() + across.min()) / 2
             + up * distance * (above.max() + above.min()) / 2
         )
-    return middle + back * distance, middle, np.array([0.0, 0.0, 1.0])
+    return View(middle + back * distance, middle, np.array([0.0, 0.0, 1.0]), FIELD_DEG)
 
 
-def _rendered(pyvista: Any, merged: dict[str, tuple[Floats, Ints]], size: tuple[int, int]) -> bytes:
-    """Draw the merged meshes off-screen and return the PNG."""
-    import io
+def _rendered(pyvista: Any, pieces: Sequence[Placed], size: tuple[int, int]) -> bytes:
+    """Draw model, shadow and close-up off-screen and return the PNG."""
+    ground = _ground(joined(pieces))
+    view = camera(np.concatenate([*(p.vertices for p in pieces), ground[0]]), size)
+    near = closeup(pieces, view.position)
+    node = _width_seen(near, view, size) / size[0] if near else 1.0
+    fine = (size[0] * _SAMPLES, size[1] * _SAMPLES)
+    scene = _far_scene(pyvista, pieces, size) if node < _FINE else _near_scene(pyvista, pieces)
+    model = _shot(pyvista, scene, view, fine)
+    flat = {"color": "black", "lighting": False}
+    shade = _shot(pyvista, [(_poly_data(pyvista, *ground), flat)], view, size)
+    if near is None or node > NODE_SEEN:
+        return png(compose(model, shade, size))
+    detail = _near_scene(pyvista, near.pieces)
 
-    from PIL import Image
+    def lens(diameter: int) -> Pixels:
+        return _shot(pyvista, detail, near.view, (diameter * _SAMPLES, diameter * _SAMPLES))
 
-    ground = _ground(merged)
-    every = np.concatenate([vertices for vertices, _ in (*merged.values(), ground)])
+    return png(compose(model, shade, size, lens, _pixel(view, near.middle, size)))
+
+
+def _shot(
+    pyvista: Any, actors: Sequence[tuple[Any, dict[str, Any]]], view: View, size: tuple[int, int]
+) -> Pixels:
+    """One picture of (mesh, look) pairs on white, (height, width, 3)."""
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="none")
     try:
         plotter.set_background("white")
-        plotter.enable_anti_aliasing("ssaa")
-        for look, (vertices, triangles) in merged.items():
-            plotter.add_mesh(
-                _poly_data(pyvista, vertices, triangles),
-                color=_PANE if look == "panel" else COLOURS[look],
-                opacity=GLASS if look == "panel" else 1.0,
-                culling="back" if look == "panel" else None,
-                smooth_shading=False,
-                **_LOOK[look],
-            )
-        if "beam" in merged:  # at least a pixel wide, also where a thin bar is seen from its edge
-            plotter.add_mesh(
-                _poly_data(pyvista, *merged["beam"]),
-                color=COLOURS["beam"],
-                style="wireframe",
-                line_width=1,
-                lighting=False,
-            )
-        plotter.add_mesh(_poly_data(pyvista, *ground), color=[_SHADOW] * 3, lighting=False)
-        position, focus, up = camera(every, size)
-        for offset, strength in (((0.9, -0.6, 1.6), 0.85), ((-1.2, -0.8, 0.6), 0.35)):
+        plotter.disable_anti_aliasing()  # drawn finer instead, which costs half as much
+        for mesh, look in actors:
+            plotter.add_mesh(mesh, **look)
+        right, up, back = _axes(view)
+        for (x, y, z), strength in _LIGHTS:
             light = pyvista.Light(light_type="scene light", intensity=strength)
             light.positional = False
-            light.position = tuple(focus + np.linalg.norm(position - focus) * np.array(offset))
-            light.focal_point = tuple(focus)
+            light.position = tuple(view.focus + x * right + y * up + z * back)
+            light.focal_point = tuple(view.focus)
             plotter.add_light(light)
-        plotter.camera.position = tuple(position)
-        plotter.camera.focal_point = tuple(focus)
-        plotter.camera.up = tuple(up)
-        plotter.camera.view_angle = FIELD_DEG
+        plotter.camera.position = tuple(view.position)
+        plotter.camera.focal_point = tuple(view.focus)
+        plotter.camera.up = tuple(view.up)
+        plotter.camera.view_angle = view.field_deg
         plotter.reset_camera_clipping_range()
-        image = plotter.screenshot(return_img=True)
+        return np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)
     finally:
         plotter.close()
-    stream = io.BytesIO()
-    Image.fromarray(np.asarray(image)).save(stream, format="PNG", optimize=False)
-    return stream.getvalue()
+
+
+def _far_scene(
+    pyvista: Any, pieces: Sequence[Placed], size: tuple[int, int]
+) -> list[tuple[Any, dict[str, Any]]]:
+    """Meshes and looks of parts that are hardly wider than a pixel: nodes are dots."""
+    actors = []
+    for (role, look), (vertices, triangles) in merged(pieces).items():
+        mesh = _poly_data(pyvista, vertices, triangles)
+        actors.append((mesh, _appearance(role, look, _GLASS)))
+        if role == "beam":  # at least a pixel wide, also where a thin bar is seen from its edge
+            line = {"style": "wireframe", "line_width": _SAMPLES, "lighting": False}
+            ink = [_LINE * channel for channel in _COLOURS[look]]
+            actors.append((mesh, {"color": ink, **line}))
+        if role == "node":
+            dots = [p.vertices.mean(axis=0) for p in pieces if (p.role, p.look) == (role, look)]
+            cloud = pyvista.PolyData(np.array(dots, dtype=np.float32))
+            width = _DOT * _SAMPLES * size[0] / SIZE[0]
+            dot = {"point_size": width, "render_points_as_spheres": True, "lighting": False}
+            actors.append((cloud, {"color": _COLOURS[look], **dot}))
+    return actors
+
+
+def _near_scene(pyvista: Any, pieces: Sequence[Placed]) -> list[tuple[Any, dict[str, Any]]]:
+    """Meshes and looks of parts that are seen large: with drawn edges."""
+    actors = []
+    for (role, look), (vertices, triangles) in merged(pieces).items():
+        mesh = _poly_data(pyvista, vertices, triangles)
+        actors.append((mesh, _appearance(role, look, _GLASS_NEAR)))
+        edges = mesh.clean().extract_feature_edges(
+            _CREASE_DEG, non_manifold_edges=False, manifold_edges=False
+        )
+        dark = 0.55 if role == "panel" else 0.35
+        ink = [dark * channel for channel in _COLOURS[look]]
+        actors.append((edges, {"color": ink, "line_width": 1.5 * _SAMPLES, "lighting": False}))
+    return actors
+
+
+def _appearance(role: str, look: str, glass: float) -> dict[str, Any]:
+    """Arguments of `add_mesh` for a role and a look; panes are seen through."""
+    pane = {"opacity": glass, "culling": "back"} if role == "panel" else {}
+    return {"color": _COLOURS[look], "smooth_shading": False, **_LOOK[look], **pane}
 
 
 def _poly_data(pyvista: Any, vertices: Floats, triangles: Ints) -> Any:
@@ -229,14 +254,33 @@ def _poly_data(pyvista: Any, vertices: Floats, triangles: Ints) -> Any:
     return pyvista.PolyData(vertices.astype(np.float32), faces.ravel())
 
 
-def _ground(merged: dict[str, tuple[Floats, Ints]]) -> tuple[Floats, Ints]:
+def _ground(model: tuple[Floats, Ints]) -> tuple[Floats, Ints]:
     """All parts flattened on the ground a little below the model: the shadow of a high sun."""
-    vertices = np.concatenate([v for v, _ in merged.values()])
-    counts = [len(v) for v, _ in merged.values()]
-    starts = np.cumsum([0, *counts[:-1]])
-    triangles = np.concatenate(
-        [t + start for start, (_, t) in zip(starts, merged.values(), strict=True)]
-    )
+    vertices, triangles = model[0].copy(), model[1]
     low, high = vertices[:, 2].min(), vertices[:, 2].max()
     vertices[:, 2] = low - _DROP * (high - low)
     return vertices, triangles
+
+
+def _axes(view: View) -> tuple[Floats, Floats, Floats]:
+    """Unit vectors to the right, up and back to the eye."""
+    back = view.position - view.focus
+    back = back / np.linalg.norm(back)
+    right = np.cross(view.up, back)
+    right = right / np.linalg.norm(right)
+    return right, np.cross(back, right), back
+
+
+def _pixel(view: View, point: Floats, size: tuple[int, int]) -> tuple[float, float]:
+    """Where a point is in the picture, from its upper left corner."""
+    right, up, back = _axes(view)
+    seen = point - view.position
+    scale = size[1] / 2 / np.tan(np.radians(view.field_deg) / 2) / -float(seen @ back)
+    return size[0] / 2 + scale * float(seen @ right), size[1] / 2 - scale * float(seen @ up)
+
+
+def _width_seen(near: Closeup, view: View, size: tuple[int, int]) -> float:
+    """Pixels across the node of the close-up in the whole picture."""
+    right, _, _ = _axes(view)
+    half = near.radius / REACH * right
+    return _pixel(view, near.middle + half, size)[0] - _pixel(view, near.middle - half, size)[0]
