@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from fabrication.designs import Progress
+    from ddgfab.mesh import Ints
+    from fabrication.designs import Design, Progress
     from fabrication.pipeline import JobResult
 
 app = typer.Typer(
@@ -88,7 +89,7 @@ def make_command(
         plan = design_net(project, load_net(project), tell)
         result = make(plan, output, jobs=project.output.jobs, progress=tell)
         seconds = time.perf_counter() - begin
-    _report(repr(plan), result, seconds)
+    _report(plan, result, seconds)
     raise typer.Exit(result.exit_code)
 
 
@@ -224,12 +225,23 @@ def _progress() -> Iterator[Progress]:
         yield bar
 
 
-def _report(what: str, result: JobResult, seconds: float) -> None:
+def _named(letter: str, ids: Ints) -> str:
+    return ", ".join(f"{letter}-{i:04d}" for i in ids.tolist())
+
+
+def _report(plan: Design, result: JobResult, seconds: float) -> None:
     """The closing words of a job."""
     manifest = result.manifest
     numbers = len({part["number"] for part in manifest["parts"]})
     checks = manifest["checks"]
-    typer.echo(what)
+    support = plan.support
+    typer.echo(repr(plan))
+    typer.echo(
+        f"node axes ({support.kind}): torsion max {support.torsion_deg_max:.1e}, mean "
+        f"{support.torsion_deg_mean:.1e} deg, worst {_named('B', support.worst_edges(3))}; "
+        f"lean max {support.lean_deg_max:.1f}, mean {support.lean_deg_mean:.1f} deg, "
+        f"worst {_named('N', support.worst_vertices(3))}"
+    )
     typer.echo(
         f"{len(manifest['parts'])} parts of {numbers} part numbers; "
         f"{checks['passed']} checks passed, {checks['failed']} failed; {seconds:.1f} s"

@@ -217,15 +217,12 @@ class _Job:
         with self._timed("waiting for files read back"):
             found = self._collect(reading)
             extra = self._collect_assembly(assembly)
-        if any(not check.passed for list_ in found.values() for check in list_):
-            parts = [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
-            checks = self._checks_by_mark(parts, pieces)
+        parts = [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
+        checks = self._checks_by_mark(parts, pieces)
+        if _failed(checks) != failed:
             failed = _failed(checks)
             extra = self._collect_assembly(self._assemble(parts, failed))
             self._write_models(parts, failed)
-        else:
-            parts = [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
-            checks = self._checks_by_mark(parts, pieces)
         self._reject(parts, failed)
         return self._finish(parts, checks, extra)
 
