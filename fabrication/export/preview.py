@@ -107,7 +107,7 @@ def render(
         raise OutputError(f"this machine cannot render ({error}){_ADVICE}") from error
 
 
-def preview_png(families: Sequence[Family]) -> bytes:
+def preview_png(families: Sequence[Family], *, size: tuple[int, int] = SIZE) -> bytes:
     """A PNG of parts that are only specs yet, for notebooks; loads no CAD kernel.
 
     Raises
@@ -117,7 +117,8 @@ def preview_png(families: Sequence[Family]) -> bytes:
     """
     from fabrication.solids import mesh_of
 
-    return render(families, {f.number: mesh_of(f.shape, NOTEBOOK_CHORD) for f in families})
+    meshes = {f.number: mesh_of(f.shape, NOTEBOOK_CHORD) for f in families}
+    return render(families, meshes, size=size)
 
 
 def camera(points: Floats, size: tuple[int, int] = SIZE) -> View:

@@ -181,8 +181,7 @@ def composed(fill: Any) -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def near_to(picture: np.ndarray, colour: tuple[int, int, int]) -> np.ndarray:
-    near: np.ndarray = (np.abs(picture.astype(int) - colour) < 12).all(axis=2)
-    return near
+    return np.asarray((np.abs(picture.astype(int) - colour) < 12).all(axis=2))
 
 
 @pytest.mark.parametrize(
