@@ -38,6 +38,8 @@ ROOMS = [
     "designs",
     "problems",
     "parts",
+    "records",
+    "pool",
     "pipeline",
     "cli",
 ]

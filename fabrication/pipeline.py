@@ -2,54 +2,43 @@
 
 from __future__ import annotations
 
-import os
 import shutil
-import signal
-import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor, Future, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any, Final
-
-import numpy as np
 
 from ddgfab.errors import OutputError
 from fabrication.checks.assembly import check_assembly
 from fabrication.designs import Design, Progress
-from fabrication.detailing.clearance import PANEL_CLEARANCE
 from fabrication.export.folder import OutputFolder, safe_name
 from fabrication.export.glb import write_glb
 from fabrication.export.manifest import (
     MANIFEST,
     build_manifest,
     file_records,
-    part_record,
     write_manifest,
 )
 from fabrication.export.preview import write_preview
-from fabrication.export.step import Header, Material
 from fabrication.export.tables import write_xlsx
 from fabrication.parts import (
     PartJob,
     PartResult,
-    PartSettings,
     VerifyTask,
     assemble,
     make_parts,
     verify_parts,
 )
+from fabrication.pool import worker_pool
 from fabrication.problems import problems_of
-from fabrication.specs import Check, Family, Role
+from fabrication.records import CHORD_MM, clearances, part_records, part_settings
+from fabrication.specs import Check, Family
 
 REJECTED: Final = "rejected"
 """Folder, inside the output folder, of the parts that failed a check or a limit."""
-
-CHORD_MM: Final = 0.05
-"""Greatest distance [mm] of the meshes (STL, GLB, clearances) from the exact surfaces."""
 
 BATCH: Final = 24
 """Part numbers that a process takes at a time."""
@@ -116,67 +105,6 @@ def make(
         return _Job(design, staging, target, pool, tell).run()
 
 
-@contextmanager
-def worker_pool(jobs: int) -> Iterator[Executor]:
-    """Processes that have the kernel loaded; `jobs` = 0: one a core, 1: this process."""
-    count = jobs or os.cpu_count() or 1
-    if count == 1:
-        yield _Here()
-        return
-    others = active_children()
-    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_warm_up)
-    try:
-        with _interrupts_ignored():  # inherited: Ctrl-C is the parent's business
-            for _ in range(count):
-                pool.submit(_ready)
-        yield pool
-    except BaseException:
-        for worker in active_children():
-            if worker not in others:
-                worker.terminate()  # what it was doing goes with the staging folder
-        pool.shutdown(wait=True, cancel_futures=True)
-        raise
-    pool.shutdown()
-
-
-@contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """SIGINT ignored in this process, where it may be changed (the main thread)."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def _warm_up() -> None:
-    """Of a worker: load the kernel and keep it quiet."""
-    from fabrication.export.xcaf import mute
-    from fabrication.solids.kernel import load_kernel
-
-    load_kernel()
-    mute()
-
-
-def _ready() -> None:
-    """Nothing: a task that makes a worker start."""
-
-
-class _Here(Executor):
-    """An executor that works at once in this process."""
-
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-
 class _Job:
     """One run: the state that its steps share."""
 
@@ -188,7 +116,7 @@ class _Job:
         self.formats = frozenset(design.project.output.formats)
         self.seconds: dict[str, float] = dict(design.seconds)
         self.warnings: list[str] = []
-        self.settings = _part_settings(design, staging, self.formats)
+        self.settings = part_settings(design, staging, self.formats)
 
     def run(self) -> JobResult:
         """All steps; the manifest comes last.
@@ -383,7 +311,7 @@ class _Job:
             settings=design.project.settings,
             net=design.measures.to_dict(),
             support=design.support.to_dict(),
-            parts=self._part_records(parts, checks),
+            parts=part_records(design, parts, checks, self.settings),
             files=file_records(self.staging),
             timings_s=self.seconds,
             extra_checks=extra,
@@ -394,32 +322,6 @@ class _Job:
         lines = [str(problem) for problem in problems]
         lines += [f"assembly.step: {c.name} {c.value}" for c in extra if not c.passed]
         return JobResult(self.target, manifest, tuple(lines), tuple(self.warnings))
-
-    def _part_records(
-        self, parts: Sequence[PartResult], checks: dict[str, list[Check]]
-    ) -> list[dict[str, Any]]:
-        """The manifest's parts, by mark."""
-        results = {part.number: part for part in parts}
-        records = []
-        for family in self.design.families:
-            part = results[family.number]
-            density = self.settings.materials[family.role].density
-            for instance in family.instances:
-                turn, shift = instance.placement[:3, :3], instance.placement[:3, 3]
-                placed = part.mesh.vertices @ turn.T + shift
-                records.append(
-                    part_record(
-                        mark=instance.mark,
-                        number=family.number,
-                        role=family.role,
-                        placement=instance.placement,
-                        volume_mm3=part.properties.volume,
-                        mass_kg=part.properties.volume * density * 1e-9,
-                        bbox_mm=np.stack([placed.min(axis=0), placed.max(axis=0)]),
-                        checks=checks[instance.mark],
-                    )
-                )
-        return sorted(records, key=lambda record: str(record["mark"]))
 
     @contextmanager
     def _timed(self, step: str) -> Iterator[None]:
@@ -434,37 +336,3 @@ class _Job:
 def _failed(checks: dict[str, list[Check]]) -> set[str]:
     """Marks of the pieces that failed a check."""
     return {mark for mark, list_ in checks.items() if not all(c.passed for c in list_)}
-
-
-def clearances(design: Design) -> dict[tuple[Role, Role], float]:
-    """Least gaps [mm] between neighbours: what the project asks for less what families may take.
-
-    A member may be off from its family's shape by the family's deviation, on either side.
-    """
-    project = design.project
-    loss = 2 * max((family.deviation for family in design.families), default=0.0)
-    to_steel = PANEL_CLEARANCE if project.panel.offset_mm == "auto" else 0.0
-    wanted: dict[tuple[Role, Role], float] = {
-        ("beam", "node"): project.beam.clearance_mm,
-        ("beam", "panel"): to_steel,
-        ("node", "panel"): to_steel,
-        ("panel", "panel"): project.panel.gap_mm,
-    }
-    return {roles: max(0.0, gap - loss) for roles, gap in wanted.items()}
-
-
-def _part_settings(design: Design, folder: Path, formats: frozenset[str]) -> PartSettings:
-    project = design.project
-    return PartSettings(
-        folder=folder,
-        step="step" in formats,
-        stl="stl" in formats,
-        chord=CHORD_MM,
-        schema=project.output.step_schema,
-        header=Header(project.output.author, project.output.organisation, project.name),
-        materials={
-            "beam": Material("Steel", project.beam.density),
-            "node": Material("Steel", project.node.density),
-            "panel": Material("Glass", project.panel.density),
-        },
-    )

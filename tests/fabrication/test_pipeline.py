@@ -16,7 +16,8 @@ from roofs import barrel
 from ddgfab.errors import OutputError
 from fabrication.designs import Design, design
 from fabrication.export.stl import read_stl
-from fabrication.pipeline import CHORD_MM, JobResult, make
+from fabrication.pipeline import JobResult, make
+from fabrication.records import CHORD_MM
 
 pytestmark = pytest.mark.slow
 

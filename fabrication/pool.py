@@ -1,0 +1,73 @@
+"""Where the work on parts runs: processes with the kernel loaded, or this process."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import active_children, get_context
+from typing import Any
+
+
+@contextmanager
+def worker_pool(jobs: int) -> Iterator[Executor]:
+    """Processes that have the kernel loaded; `jobs` = 0: one a core, 1: this process."""
+    count = jobs or os.cpu_count() or 1
+    if count == 1:
+        yield _Here()
+        return
+    others = active_children()
+    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_warm_up)
+    try:
+        with _interrupts_ignored():  # inherited: Ctrl-C is the parent's business
+            for _ in range(count):
+                pool.submit(_ready)
+        yield pool
+    except BaseException:
+        for worker in active_children():
+            if worker not in others:
+                worker.terminate()  # what it was doing goes with the staging folder
+        pool.shutdown(wait=True, cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """SIGINT ignored in this process, where it may be changed (the main thread)."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _warm_up() -> None:
+    """Of a worker: load the kernel and keep it quiet."""
+    from fabrication.export.xcaf import mute
+    from fabrication.solids.kernel import load_kernel
+
+    load_kernel()
+    mute()
+
+
+def _ready() -> None:
+    """Nothing: a task that makes a worker start."""
+
+
+class _Here(Executor):
+    """An executor that works at once in this process."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
