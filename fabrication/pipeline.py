@@ -241,12 +241,14 @@ class _Job:
             for instance in family.instances
             if instance.mark not in failed
         ]
+        path = self.staging / "assembly.step"
         if "step" not in self.formats or not instances:
+            path.unlink(missing_ok=True)
             return None
         used = {number for number, _, _ in instances}
         return self.pool.submit(
             assemble,
-            self.staging / "assembly.step",
+            path,
             self.design.project.name,
             [(part.job, part.properties) for part in parts if part.number in used],
             instances,

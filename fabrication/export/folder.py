@@ -82,6 +82,7 @@ class OutputFolder:
             raise OutputError(f"{self.target}: not written, as the job left no {MANIFEST}")
         _require_ours(self.target)  # it may have changed while the job ran
         try:
+            _sync(self.path)
             if not self.target.exists():
                 self.path.rename(self.target)
                 return
@@ -108,6 +109,20 @@ def explain(error: OSError, path: Path) -> OutputError:
     else:
         why = f"cannot be written ({error.strerror or error})"
     return OutputError(f"{path}: {why}\nNothing was written.")
+
+
+def _sync(folder: Path) -> None:
+    """Every file on the disk, so that the folder's new name never stands for half a job.
+
+    One call to the system where it has one: thousands of single files cost seconds.
+    """
+    if hasattr(os, "sync"):
+        os.sync()
+        return
+    for path in folder.rglob("*"):
+        if path.is_file():
+            with path.open("rb+") as stream:
+                os.fsync(stream.fileno())
 
 
 def _require_ours(target: Path) -> None:
