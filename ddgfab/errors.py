@@ -25,7 +25,16 @@ class MeshError(InputError):
 
 
 class DegenerateError(DdgError, ValueError):
-    """A geometric construction without a solution; names the element and the quantity."""
+    """A geometric construction without a solution; names the element and the quantity.
+
+    Attributes
+    ----------
+    cell : indices of the cell of a net, or None for other elements
+    """
+
+    def __init__(self, message: str, *, cell: tuple[int, ...] | None = None) -> None:
+        super().__init__(message)
+        self.cell = cell
 
 
 class SupportError(DdgError):

@@ -36,3 +36,9 @@ NET_SIDES_PERCENT: Final = 0.1
 
 UNIT_NORMAL: Final = 1e-9
 """How far the length of a unit vector may be from one."""
+
+NET_INPUT: Final = 1e-8
+"""Data of a net (planar or circular quads) may miss their condition by this part of their size."""
+
+CONDITION_LIMIT: Final = 1e12
+"""Linear systems with a larger condition number count as unsolvable."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from ddgfab.nets.axes import vertex_normals
 from ddgfab.nets.canopy import canopy
-from ddgfab.nets.circular import circularity, vertex_normals
+from ddgfab.nets.circular import circularity
 from ddgfab.nets.grid import grid_mesh
 from ddgfab.nets.monge import monge, profile_polyline
 

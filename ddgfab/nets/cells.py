@@ -1,0 +1,240 @@
+"""Quads of nets all at once: errors that name cells, measures in blocks, evolution in wavefronts.
+
+Kernels work on arrays with the components first, (dim, ...): numpy is then several times faster
+than on rows of three numbers, and every kernel serves a single quad, a wavefront and a block.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ddgfab.errors import DegenerateError, InputError
+from ddgfab.mesh import Floats
+from ddgfab.tolerances import RELATIVE_DEGENERATE
+
+Bools = NDArray[np.bool_]
+Where = Callable[[tuple[int, ...]], str]
+Rule = Callable[..., Floats]
+
+_BLOCK = 1 << 14
+"""Quads in a block of a measure: its temporaries stay in the cache and add no memory."""
+
+
+def dot(a: Floats, b: Floats) -> Floats:
+    """Scalar products over the first axis."""
+    return np.asarray(np.einsum("i...,i...->...", a, b))
+
+
+def norm(a: Floats) -> Floats:
+    """Lengths over the first axis."""
+    return np.asarray(np.sqrt(dot(a, a)))
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """Vector products over the first axis, of length three."""
+    return np.stack(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+
+
+class Place(NamedTuple):
+    """Turns an index in a kernel's arrays into the indices of a cell."""
+
+    cell: Callable[[tuple[int, ...]], tuple[int, ...]] = lambda index: index
+    name: str = "quad"
+
+    def refuse(self, bad: Bools, what: str, value: Floats | None = None) -> None:
+        """Raise `DegenerateError` with the first bad cell, what is wrong and its value."""
+        if not bad.any():
+            return
+        index = tuple(int(i) for i in np.argwhere(bad)[0])
+        cell = self.cell(index)
+        number = (
+            ""
+            if value is None
+            else f"; value {float(np.broadcast_to(value, bad.shape)[index]):.3g}"
+        )
+        raise DegenerateError(f"{self.name} {cell}: {what}{number}", cell=cell)
+
+
+class Frame(NamedTuple):
+    """Plane coordinates of a quad: b = along e + across w, with orthonormal e = a / length, w."""
+
+    e: Floats
+    length: Floats
+    along: Floats
+    across: Floats
+    w: Floats
+
+
+def edge_frame(a: Floats, b: Floats, place: Place, what: str) -> Frame:
+    """Frame of two edges; refuses edges of no length and parallel ones (saying `what`)."""
+    length, other = norm(a), norm(b)
+    place.refuse((length == 0) | (other == 0), "an edge has no length", np.minimum(length, other))
+    e = a / length
+    along = dot(b, e)
+    w = b - along * e
+    across = norm(w)
+    place.refuse(
+        across <= RELATIVE_DEGENERATE * other,
+        f"{what}: sine of their angle, limit {RELATIVE_DEGENERATE:g}",
+        across / other,
+    )
+    return Frame(e, length, along, across, w / across)
+
+
+def net_points(points: ArrayLike, dim: int | None = None) -> Floats:
+    """Float array (n1, ..., nd, dim), checked: at least a quad, finite, the dimension asked for."""
+    x = np.asarray(points, dtype=np.float64)
+    if x.ndim < 3 or min(x.shape[:-1]) < 1 or x.shape[-1] < 2:
+        raise InputError(f"a net has shape (n1, ..., nd, dim), d > 1, dim > 1; this one {x.shape}")
+    if dim is not None and x.shape[-1] != dim:
+        raise InputError(f"points in R^{dim} are needed; these have {x.shape[-1]} coordinates")
+    finite(x, "net")
+    return x
+
+
+def finite(values: Floats, what: str) -> None:
+    """Raise `InputError` at the first entry that is not finite."""
+    # A finite sum proves finite entries without an array of flags as large as the net.
+    with np.errstate(over="ignore", invalid="ignore"):
+        if np.isfinite(np.sum(values)):
+            return
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        raise InputError(f"{what}: entry {tuple(bad[0].tolist())} is not a finite number")
+
+
+def columns(*points: ArrayLike) -> tuple[Floats, ...]:
+    """Arrays (..., dim) broadcast and turned to components first, for single calls of kernels."""
+    arrays = np.broadcast_arrays(*(np.asarray(p, dtype=np.float64) for p in points))
+    for array in arrays:
+        finite(array, "point")
+    return tuple(np.moveaxis(array, -1, 0) for array in arrays)
+
+
+def measure(
+    points: ArrayLike,
+    axes: tuple[int, int],
+    kernel: Callable[[Floats, Floats, Floats, Floats, Place], Floats],
+    dim: int | None = None,
+) -> Floats:
+    """A kernel of (x, x_k, x_l, x_kl, place) on all quads of two directions of a net.
+
+    Returns the kernel's values with the shape of the quads' base points: the net's shape, one less
+    in the two directions; values with components come with these last.
+    """
+    x = net_points(points, dim)
+    d = x.ndim - 1
+    if not (min(axes) >= 0 and max(axes) < d and axes[0] != axes[1]):
+        raise InputError(f"directions {axes}: two different ones below {d} are needed")
+    y = np.moveaxis(x, axes, (0, 1))
+    order = [*axes, *(k for k in range(d) if k not in axes)]
+    rows = y.shape[0] - 1
+    width = max(1, int(np.prod(y.shape[1:-1])))
+    step = max(1, _BLOCK // width)
+    name = "quad" if d == 2 else f"quad of directions {axes} at"
+    out: Floats | None = None
+    for start in range(0, max(rows, 1), step):
+        block = np.ascontiguousarray(np.moveaxis(y[start : min(start + step, rows) + 1], -1, 0))
+
+        def cell(index: tuple[int, ...], start: int = start) -> tuple[int, ...]:
+            moved = dict(zip(order, (start + index[0], *index[1:]), strict=True))
+            return tuple(moved[k] for k in range(d))
+
+        values = kernel(
+            block[:, :-1, :-1],
+            block[:, 1:, :-1],
+            block[:, :-1, 1:],
+            block[:, 1:, 1:],
+            Place(cell, name),
+        )
+        values = np.moveaxis(values, 0, -1) if values.ndim > d else values
+        if out is None:
+            out = np.empty((rows, *values.shape[1:]))
+        out[start : start + step] = values
+    assert out is not None
+    return np.moveaxis(out, (0, 1), axes)
+
+
+def pairs(points: ArrayLike) -> list[tuple[int, int]]:
+    """All pairs of directions of a net."""
+    d = np.asarray(points).ndim - 1
+    return [(k, m) for k in range(d) for m in range(k + 1, d)]
+
+
+def sweep(first: ArrayLike, second: ArrayLike, data: tuple[ArrayLike, ...], rule: Rule) -> Floats:
+    """(M + 1, N + 1, dim) net from two polylines and a rule for the fourth point of a quad.
+
+    Cells on one anti-diagonal do not depend on each other, so each is one call
+    ``rule(x, x_1, x_2, *data, place)`` on arrays.
+
+    Parameters
+    ----------
+    first, second : (M + 1, dim), (N + 1, dim) polylines in directions 0 and 1 from one point
+    data : arrays (M, N), or numbers
+
+    Raises
+    ------
+    InputError
+        Shapes that do not fit, first points that differ, entries that are not finite.
+    DegenerateError
+        From the rule, or where coordinates grow beyond all numbers; names the cell.
+    """
+    net, cells = _boundary(first, second, data)
+    rows, cols, dim = net.shape
+    flat = net.reshape(-1, dim)
+    # Point (i, s - i) is row s + i (cols - 1) of the flat net: an anti-diagonal is a plain slice.
+    step, inner = cols - 1, max(cols - 2, 1)
+    for s in range(2, rows + cols - 1):
+        low, count = max(1, s - cols + 1), min(rows - 1, s - 1) - max(1, s - cols + 1) + 1
+
+        def diagonal(offset: int, start: int = low * step, count: int = count) -> slice:
+            return slice(start + offset, start + offset + (count - 1) * step + 1, step)
+
+        begin = low * (cols - 2) + s - cols
+        part = slice(begin, begin + (count - 1) * inner + 1, inner)
+
+        def cell(index: tuple[int, ...], low: int = low, s: int = s) -> tuple[int, ...]:
+            return low - 1 + index[0], s - low - 1 - index[0]
+
+        place = Place(cell)
+        corners = [np.ascontiguousarray(flat[diagonal(s - k)].T) for k in (cols + 1, 1, cols)]
+        with np.errstate(over="ignore", invalid="ignore"):
+            new = rule(*corners, *(c[part] if c.ndim else c for c in cells), place)
+        place.refuse(~np.isfinite(new.sum(axis=0)), "coordinates grow beyond all numbers")
+        flat[diagonal(s)] = new.T
+    return net
+
+
+def _boundary(
+    first: ArrayLike, second: ArrayLike, data: tuple[ArrayLike, ...]
+) -> tuple[Floats, list[Floats]]:
+    a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    if a.ndim != 2 or b.ndim != 2 or a.shape[1] != b.shape[1] or a.shape[1] < 2:
+        raise InputError(
+            f"polylines have shapes (M + 1, dim), (N + 1, dim); not {a.shape}, {b.shape}"
+        )
+    if min(len(a), len(b)) < 2:
+        raise InputError(f"polylines of {len(a)} and {len(b)} points: two at least are needed")
+    finite(a, "first polyline")
+    finite(b, "second polyline")
+    size = max(np.ptp(a, axis=0).max(), np.ptp(b, axis=0).max())
+    gap = float(np.abs(a[0] - b[0]).max())
+    if gap > RELATIVE_DEGENERATE * size:
+        raise InputError(f"the polylines start {gap:g} apart; they must share their first point")
+    shape = (len(a) - 1, len(b) - 1)
+    cells = []
+    for values in data:
+        array = np.asarray(values, dtype=np.float64)
+        if array.ndim and array.shape != shape:
+            raise InputError(f"data of cells have shape {array.shape}; {shape} is needed")
+        finite(array, "data of cells")
+        cells.append(array.reshape(-1) if array.ndim else array)
+    net = np.empty((len(a), len(b), a.shape[1]))
+    net[:, 0], net[0] = a, b
+    return net, cells

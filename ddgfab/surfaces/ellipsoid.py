@@ -1,0 +1,79 @@
+"""The ellipsoid in its curvature lines: the smooth surface that circular nets are tested against.
+
+x^2 / A + y^2 / B + z^2 / C = 1 with confocal coordinates A >= u >= B >= v >= C. The lines
+u = const and v = const are its curvature lines. Source: Jacobi; maths.md 9.3.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ddgfab.errors import InputError
+from ddgfab.mesh import Floats, unit
+
+
+def ellipsoid_patch(
+    u: ArrayLike, v: ArrayLike, a: float = 9.0, b: float = 4.0, c: float = 1.0
+) -> Floats:
+    """(..., 3) points in the octant x, y, z >= 0 of the ellipsoid with squared semi-axes a, b, c.
+
+    x^2 = a (a - u)(a - v) / ((a - b)(a - c)), and cyclically.
+
+    Parameters
+    ----------
+    u, v : arrays that broadcast to one shape, a >= u >= b >= v >= c; for the net of a rectangle of
+        parameters give ``u[:, None], v[None, :]``
+    a, b, c : squares of the semi-axes, a > b > c > 0
+
+    Raises
+    ------
+    InputError
+        Semi-axes out of order, parameters out of range or not finite.
+    """
+    p, q = _checked(u, v, a, b, c)
+    squares = [
+        a * (a - p) * (a - q) / ((a - b) * (a - c)),
+        b * (p - b) * (b - q) / ((a - b) * (b - c)),
+        c * (p - c) * (q - c) / ((a - c) * (b - c)),
+    ]
+    return np.sqrt(np.stack(squares, axis=-1))
+
+
+def ellipsoid_normals(points: ArrayLike, a: float = 9.0, b: float = 4.0, c: float = 1.0) -> Floats:
+    """(..., 3) outward unit normals at points (..., 3) of the ellipsoid."""
+    return unit(np.asarray(points, dtype=np.float64) / [a, b, c])
+
+
+def ellipsoid_curvatures(
+    u: ArrayLike, v: ArrayLike, a: float = 9.0, b: float = 4.0, c: float = 1.0
+) -> tuple[Floats, Floats]:
+    """Principal curvatures along the lines on which u runs, and v runs; positive (inward normal).
+
+    sqrt(a b c) / (u^(3/2) v^(1/2)) where u runs, the smaller, and sqrt(a b c) / (u^(1/2) v^(3/2))
+    where v runs; K = a b c / (u v)^2.
+
+    Parameters
+    ----------
+    u, v, a, b, c : as in `ellipsoid_patch`
+    """
+    p, q = _checked(u, v, a, b, c)
+    root = np.sqrt(a * b * c)
+    return root / (p * np.sqrt(p * q)), root / (q * np.sqrt(p * q))
+
+
+def ellipsoid_umbilics(a: float = 9.0, b: float = 4.0, c: float = 1.0) -> Floats:
+    """(4, 3) umbilics, at u = v = b."""
+    x, _, z = ellipsoid_patch(b, b, a, b, c)
+    return np.array([[x, 0, z], [-x, 0, z], [-x, 0, -z], [x, 0, -z]])
+
+
+def _checked(u: ArrayLike, v: ArrayLike, a: float, b: float, c: float) -> tuple[Floats, Floats]:
+    if not (np.inf > a > b > c > 0):
+        raise InputError(f"squared semi-axes {a:g}, {b:g}, {c:g}: a > b > c > 0 is needed")
+    p, q = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, dtype=np.float64))
+    for name, values, low, high in (("u", p, b, a), ("v", q, c, b)):
+        bad = ~((values >= low) & (values <= high))
+        if bad.any():
+            raise InputError(f"{name} = {values[bad].flat[0]:g} lies outside {low:g}..{high:g}")
+    return p, q
