@@ -15,10 +15,11 @@ from ddgfab.errors import InputError
 from ddgfab.io import read_mesh
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
+from ddgfab.nets.registry import generate
 from ddgfab.support import SupportStructure, support_structure
 from fabrication.detailing import Gridshell, detail
 from fabrication.families import families
-from fabrication.project import Project, load_project, make_project, project_for_mesh
+from fabrication.project import MESH, Project, load_project, make_project, project_for_mesh
 from fabrication.schedules import schedules
 from fabrication.specs import Family
 from fabrication.table import Table
@@ -184,11 +185,11 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     ------
     InputError
         The mesh cannot be read, or its edges are so short that its unit must be another.
+    DegenerateError
+        Parameters of a generated net that fit their limits but not each other; names the cell.
     """
-    if mesh is None and project.net.kind == "canopy":
-        from ddgfab.nets import canopy
-
-        return NetInput(canopy(**project.net.parameters), None, None, ())
+    if mesh is None and project.net.kind != MESH:
+        return NetInput(generate(project.net.kind, project.net.parameters), None, None, ())
     path = project.mesh_path
     read = read_mesh(path) if mesh is None and path is not None else None
     if read is not None:

@@ -23,6 +23,7 @@ __all__ = [
     "atomic_path",
     "atomic_write",
     "read_mesh",
+    "write_mesh",
     "write_obj",
     "write_off",
     "write_ply",
@@ -32,6 +33,12 @@ _PARSERS: dict[str, Callable[[bytes, str], RawMesh]] = {
     ".obj": parse_obj,
     ".off": parse_off,
     ".ply": parse_ply,
+}
+
+_WRITERS: dict[str, Callable[[str | Path, Mesh], None]] = {
+    ".obj": write_obj,
+    ".off": write_off,
+    ".ply": write_ply,
 }
 
 
@@ -97,3 +104,22 @@ def read_mesh(
     if path.suffix.lower() != ".ply" and not data.endswith((b"\n", b"\r", b"\n\0")):
         notes.append("the last line has no line break: if the file was cut off, look there")
     return ReadResult(mesh, tuple(notes), str(path), digest, len(raw.points), len(raw.sizes))
+
+
+def write_mesh(path: str | Path, mesh: Mesh) -> None:
+    """Write a polygon mesh; the suffix says the format: .obj, .off or .ply.
+
+    Raises
+    ------
+    MeshError
+        Another suffix.
+    OutputError
+        A file that cannot be written; nothing is left half written.
+    """
+    write = _WRITERS.get(Path(path).suffix.lower())
+    if write is None:
+        raise MeshError(
+            f"unknown kind of mesh file '{Path(path).suffix}'; known: {', '.join(_WRITERS)}",
+            file=str(path),
+        )
+    write(path, mesh)

@@ -7,78 +7,94 @@ torsion-free, so the canopy is exact: planar panels, circular, torsion zero to r
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
-from ddgfab.errors import InputError
-from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.mesh import Floats, Mesh
+from ddgfab.nets.generators import About, generator
 from ddgfab.nets.grid import grid_mesh
-from ddgfab.nets.monge import monge, profile_polyline
+from ddgfab.nets.monge import level_start, monge, profile_polyline
+from ddgfab.nets.placing import grounded
 from ddgfab.transforms.moebius import invert
 
 
+@generator("canopy")
 def canopy(
-    panels_along: int = 28,
-    panels_across: int = 11,
-    panel_mm: float = 1400.0,
+    panels_along: Annotated[int, About("panels along the spine", 1, 1000)] = 28,
+    panels_across: Annotated[int, About("panels across it", 1, 1000)] = 11,
+    panel_mm: Annotated[
+        float,
+        About(
+            "side of a panel on the spine at mid-length; others are smaller on the inside of bends "
+            "and at the narrow end",
+            1e-3,
+        ),
+    ] = 1400.0,
     *,
-    bend_deg: float = 16.0,
-    rise_deg: float = 11.0,
-    wall_deg: float = 62.0,
-    fall_deg: float = 26.0,
-    eave_deg: float = 2.0,
-    turn: float = 0.7,
-    flare: float = 1.6,
+    bend_deg: Annotated[float, About("swing of the spine to either side, as an S", -59, 59)] = 16.0,
+    rise_deg: Annotated[
+        float, About("slope at which the spine climbs at one end and falls at the other", -59, 59)
+    ] = 11.0,
+    wall_deg: Annotated[float, About("slope at the low eave; 90: like a wall", -120, 120)] = 62.0,
+    fall_deg: Annotated[float, About("slope behind the crest, downwards", -120, 120)] = 26.0,
+    eave_deg: Annotated[
+        float, About("slope at the far eave; positive: turned up like a wing", -120, 120)
+    ] = 2.0,
+    turn: Annotated[
+        float, About("where across the roof the upward arc begins, from 0 to 1", 0.01, 0.99)
+    ] = 0.7,
+    flare: Annotated[
+        float, About("how much larger panels are at the wide end than at the narrow", 0.1, 10)
+    ] = 1.6,
 ) -> Mesh:
-    """Circular quad mesh of a station canopy [mm], z up, normals up, lowest corner at z = 0.
-
-    Parameters
-    ----------
-    panels_along, panels_across : number of panels along the spine and across it
-    panel_mm : side of a panel on the spine at mid-length [mm]; others are smaller on the inside
-        of bends and at the narrow end, larger on the outside and at the wide end
-    bend_deg : how far the spine swings to either side, as in an S; 0: straight
-    rise_deg : slope at which the spine climbs at one end and falls at the other; 0: level
-    wall_deg : how steeply the roof begins at its low eave (90: like a wall)
-    fall_deg : how steeply it falls again behind its crest
-    eave_deg : slope at the far eave; positive: turned up like the tip of a wing
-    turn : where across the roof the fall is steepest and the upward arc begins, 0..1
-    flare : how much larger panels are at the wide end than at the narrow end; 1: not at all
+    """Station canopy, S-shaped in plan, arched, wider at one end; a circular net (the example).
 
     Raises
     ------
-    InputError
-        Fewer than one panel, a size or flare that is not positive, a turn outside 0..1, or a
-        spine that climbs or swings by 60 degrees or more.
+    ParameterError
+        A parameter of the wrong type or beyond its limits.
 
     Source: monge surfaces by reflection and vertex normals, maths.md 2.7; Moebius invariance of
     circular nets, Bobenko and Suris, Discrete Differential Geometry, 3.1.
     """
-    if min(panels_along, panels_across) < 1 or not panel_mm > 0:
-        raise InputError(
-            f"a canopy of {panels_along} x {panels_across} panels of {panel_mm:g} mm: "
-            "at least one panel each way and a positive size are needed"
-        )
-    if not (0 < turn < 1 and flare > 0):
-        raise InputError(f"turn {turn:g} must lie between 0 and 1, flare {flare:g} above 0")
-    if not max(abs(bend_deg), abs(rise_deg)) < _STEEPEST_DEG:
-        raise InputError(
-            f"bend {bend_deg:g} and rise {rise_deg:g} deg: limit {_STEEPEST_DEG:g} deg"
-        )
+    net = canopy_net(
+        panels_along,
+        panels_across,
+        panel_mm,
+        slopes_deg=(wall_deg, -fall_deg, eave_deg),
+        spine_deg=(bend_deg, rise_deg),
+        turn=turn,
+        flare=flare,
+    )
+    return grid_mesh(grounded(net))
+
+
+def canopy_net(
+    panels_along: int,
+    panels_across: int,
+    panel_mm: float,
+    *,
+    slopes_deg: tuple[float, float, float],
+    spine_deg: tuple[float, float],
+    turn: float,
+    flare: float,
+) -> Floats:
+    """(M + 1, N + 1, 3) circular net of a canopy; parameters as in `canopy`.
+
+    `slopes_deg` are those of the cross-section at its low eave, where it turns, and at its far
+    eave; `spine_deg` are the spine's bend and rise.
+    """
     # Slopes linear along the way make two arcs that meet with one tangent.
     way = np.linspace(0.0, 1.0, panels_across + 1)
-    slope = np.interp(way, [0.0, turn, 1.0], np.radians([wall_deg, -fall_deg, eave_deg]))
+    slope = np.interp(way, [0.0, turn, 1.0], np.radians(slopes_deg))
     across = profile_polyline(slope, np.full(panels_across, panel_mm))
     across -= [0.5 * (across[0, 0] + across[-1, 0]), across[0, 1]]
-    tangents = _spine_tangents(panels_along, np.radians(bend_deg), np.radians(rise_deg))
+    bend, rise = np.radians(spine_deg)
+    tangents = _spine_tangents(panels_along, bend, rise)
     steps = np.full(panels_along, panel_mm)
-    net = monge(across, tangents, steps, _level(tangents, steps))
-    net = _flared(net, panels_along * panel_mm, flare)
-    net -= [*net.reshape(-1, 3)[:, :2].mean(axis=0), net[..., 2].min()]
-    return grid_mesh(net)
-
-
-_STEEPEST_DEG = 60.0
-"""Slope of the spine [deg] from which a canopy is no longer one."""
+    net = monge(across, tangents, steps, level_start(tangents, steps))
+    return _flared(net, panels_along * panel_mm, flare)
 
 
 def _spine_tangents(count: int, bend: float, rise: float) -> Floats:
@@ -88,19 +104,6 @@ def _spine_tangents(count: int, bend: float, rise: float) -> Floats:
     return np.stack(
         [np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), np.sin(pitch)], axis=1
     )
-
-
-def _level(tangents: Floats, steps: Floats) -> Floats:
-    """Upward direction at the start for which the profiles' roll is as far left as right.
-
-    A rotation-minimising frame rolls where a spine both climbs and bends.
-    """
-    left = unit(np.cross([0.0, 0.0, 1.0], tangents[0]))
-    up = np.cross(tangents[0], left)
-    bar = monge([[0.0, 0.0], [1.0, 0.0]], tangents, steps, up)
-    roll = np.arcsin(bar[:, 1, 2] - bar[:, 0, 2])
-    middle = 0.5 * (roll.min() + roll.max())
-    return np.asarray(np.cos(middle) * up + np.sin(middle) * left)
 
 
 def _flared(net: Floats, length: float, flare: float) -> Floats:

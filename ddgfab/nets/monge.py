@@ -8,11 +8,16 @@ rotation-minimising plane; double reflection: Wang, Juettler, Zheng, Liu 2008; m
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError
-from ddgfab.mesh import Floats, unit
+from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.nets.generators import About, generator
+from ddgfab.nets.grid import grid_mesh
+from ddgfab.nets.placing import arc_angles, checked_forward, grounded
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
@@ -71,3 +76,54 @@ def monge(profile: ArrayLike, tangents: ArrayLike, steps: ArrayLike, up: ArrayLi
         frame = frame - 2.0 * np.outer(frame @ way, way)
         net[k + 1] = point + shape @ frame
     return net
+
+
+@generator("monge")
+def monge_roof(
+    panels_along: Annotated[int, About("panels along the spine", 1, 1000)] = 16,
+    panels_across: Annotated[int, About("panels across it", 1, 1000)] = 6,
+    panel_mm: Annotated[float, About("side of a panel on the spine", 1e-3)] = 1500.0,
+    turn_deg: Annotated[float, About("turn of the spine in plan", -330, 330)] = 110.0,
+    climb_deg: Annotated[float, About("slope of the spine at its start", -45, 45)] = 18.0,
+    end_climb_deg: Annotated[float, About("slope of the spine at its end", -45, 45)] = 2.0,
+    arch_deg: Annotated[float, About("slope of the cross-section at its eaves", -85, 85)] = 42.0,
+) -> Mesh:
+    """Vault of one cross-section along a spine that bends and climbs at once, like over a ramp.
+
+    The cross-section's plane stays perpendicular to the spine and does not roll about it; all ribs
+    are congruent, and the net is circular.
+
+    Raises
+    ------
+    ParameterError
+        A parameter of the wrong type or beyond its limits.
+    DegenerateError
+        A bend so sharp that the profile crosses itself on its inside; names the panel.
+
+    Source: `monge`.
+    """
+    steps = np.full(panels_along, panel_mm)
+    profile = profile_polyline(
+        arc_angles(arch_deg, panels_across), np.full(panels_across, panel_mm)
+    )
+    profile -= [profile[:, 0].mean(), profile[:, 1].max()]
+    yaw = np.radians(np.linspace(-0.5 * turn_deg, 0.5 * turn_deg, panels_along + 1))
+    pitch = np.radians(np.linspace(climb_deg, end_climb_deg, panels_along + 1))
+    tangents = np.stack(
+        [np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), np.sin(pitch)], axis=1
+    )
+    net = monge(profile, tangents, steps, level_start(tangents, steps))
+    return grid_mesh(grounded(checked_forward(net)))
+
+
+def level_start(tangents: Floats, steps: Floats) -> Floats:
+    """(3,) upward direction at the start of a spine for which profiles roll as far left as right.
+
+    A plane that does not roll about a spine that both climbs and bends rolls against the horizon.
+    """
+    left = unit(np.cross([0.0, 0.0, 1.0], tangents[0]))
+    up = np.cross(tangents[0], left)
+    bar = monge([[0.0, 0.0], [1.0, 0.0]], tangents, steps, up)
+    roll = np.arcsin(bar[:, 1, 2] - bar[:, 0, 2])
+    middle = 0.5 * (roll.min() + roll.max())
+    return np.asarray(np.cos(middle) * up + np.sin(middle) * left)

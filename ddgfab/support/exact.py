@@ -49,11 +49,17 @@ def reflected_axes(mesh: Mesh) -> Floats:
 def cone_axes(mesh: Mesh) -> Floats:
     """(V, 3) unit axes of a conical net: those of the cones that the faces at a vertex touch.
 
+    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; maths.md 2.9, 10.6.
+    """
+    return unit(cone_field(mesh))
+
+
+def cone_field(mesh: Mesh) -> Floats:
+    """(V, 3) how the vertices of a conical net move when every face moves by 1 (see `cone_axes`).
+
     Moving every face by one distance gives the parallel mesh v' = v + d_v with <d_v, N_f> = 1 at
     all faces f of an interior vertex (face offset). Boundary vertices touch too few faces: there
     d is the nearest to the normals among the parallel meshes that continue the interior.
-
-    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; maths.md 2.9, 10.6.
     """
     offset = np.zeros_like(mesh.vertices)
     for valence in np.unique(mesh.valences[mesh.valences > 0]).tolist():
@@ -63,4 +69,4 @@ def cone_axes(mesh: Mesh) -> Floats:
         ones = (faces >= 0).astype(np.float64)
         offset[ids] = np.einsum("vxk,vk->vx", np.linalg.pinv(normals, rcond=FLAT_STAR), ones)
     weights = np.where(mesh.boundary_vertex, BOUNDARY_WEIGHT, 1.0)
-    return unit(parallel_field(mesh, offset, weights))
+    return parallel_field(mesh, offset, weights)

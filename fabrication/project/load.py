@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 import tomllib
 from collections.abc import Mapping
@@ -12,7 +11,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from ddgfab.errors import ProjectError
-from fabrication.project.models import Net, Project
+from ddgfab.nets.registry import ParameterError, find_generator, kinds
+from fabrication.project.models import MESH, Net, Project
 from fabrication.standards import nearest
 
 LATER = {"optimize": "optimising the mesh is not available yet; remove the section"}
@@ -85,8 +85,8 @@ def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project
     try:
         if "net" not in sections:
             raise ProjectError('a project needs [net] kind = "mesh", file = "..."', file=name)
-        if sections["net"].get("kind", "mesh") == "canopy":
-            sections["net"] = _canopy(sections["net"], name, text)
+        if sections["net"].get("kind", MESH) in kinds():
+            sections["net"] = _generated(sections["net"], name, text)
         elif "parameters" in sections["net"]:
             raise ProjectError(
                 _unknown("[net] parameters", "parameters", {"kind", "file"}),
@@ -98,24 +98,16 @@ def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project
         raise _explain(error, name, text) from None
 
 
-def _canopy(net: dict[str, Any], name: str | None, text: str) -> dict[str, Any]:
-    """Gathers the generator's parameters, which stand in [net], and checks their names."""
+def _generated(net: dict[str, Any], name: str | None, text: str) -> dict[str, Any]:
+    """Gathers a generator's parameters, which stand in [net] beside kind, and checks them."""
     given = dict(net.pop("parameters", {}))
     given |= {key: net.pop(key) for key in list(net) if key not in ("kind", "file")}
-    if not given:
-        return net
-    from ddgfab.nets.canopy import canopy
-
-    known = set(inspect.signature(canopy).parameters)
-    for key, value in given.items():
-        line = find_line(text, ("net", key))
-        if key not in known:
-            problem = _unknown(f"[net] {key}", key, known | {"kind"})
-            raise ProjectError(problem, file=name, line=line)
-        if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-            problem = f"[net] {key} = {value!r} must be a number"
-            raise ProjectError(problem, file=name, line=line)
-    return {**net, "parameters": given}
+    try:
+        find_generator(net["kind"]).check(given)
+    except ParameterError as error:
+        line = find_line(text, ("net", error.parameter))
+        raise ProjectError(f"[net] {error}", file=name, line=line) from None
+    return {**net, "parameters": given} if given else net
 
 
 def find_line(text: str, path: tuple[str | int, ...]) -> int | None:

@@ -6,13 +6,14 @@ A key's unit is in its name: _mm millimetres, _deg degrees, _percent percent.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from ddgfab.nets.registry import kinds
 from ddgfab.tolerances import LEAN_LIMIT_DEG
 from fabrication.specs import Profile
-from fabrication.standards import bolt_hole, density, polygon, profile, stock_size
+from fabrication.standards import bolt_hole, density, nearest, polygon, profile, stock_size
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -20,6 +21,9 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Degrees = Annotated[float, Field(ge=0, le=180)]
 Format = Literal["step", "stl", "glb", "csv", "xlsx"]
 BoltSize = Literal["none", "M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
+
+MESH: Final = "mesh"
+"""The kind of net that is read from a file; all others are generated."""
 
 
 class Section(BaseModel):
@@ -62,20 +66,31 @@ class Net(Section):
 
     Attributes
     ----------
-    kind : "mesh" (a file) or "canopy" (the built-in example's generator)
+    kind : "mesh" (a file), or a kind that `ddgfab net --list` shows: "canopy" (the built-in
+        example), "circular", "conical", "translation", ...
     file : OBJ, OFF or PLY, relative to the project file
     parameters : of the generator; in the file they stand in [net] beside kind
     """
 
-    kind: Literal["mesh", "canopy"] = "mesh"
+    kind: str = MESH
     file: Path | None = Field(default=None, strict=False)
     parameters: dict[str, Any] = Field(default_factory=dict)
 
+    @field_validator("kind")
+    @classmethod
+    def _known(cls, value: str) -> str:
+        known = (MESH, *kinds())
+        if value not in known:
+            near = nearest(value, known, 1)
+            hint = f'did you mean "{near[0]}"?' if near else f"known: {', '.join(known)}"
+            raise ValueError(f'"{value}" is unknown; {hint}')
+        return value
+
     @model_validator(mode="after")
     def _source(self) -> Net:
-        if self.kind == "mesh" and self.file is None:
+        if self.kind == MESH and self.file is None:
             raise ValueError('kind = "mesh" needs file = "..."')
-        if self.kind != "mesh" and self.file is not None:
+        if self.kind != MESH and self.file is not None:
             raise ValueError(f'file is for kind = "mesh", not for "{self.kind}"')
         return self
 

@@ -122,11 +122,11 @@ def test_canopy_stays_exact_for_other_parameters(flare: float) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"panels_along": 0}, "at least one panel"),
-        ({"panel_mm": -1.0}, "positive size"),
-        ({"turn": 1.5}, "between 0 and 1"),
-        ({"flare": 0.0}, "above 0"),
-        ({"bend_deg": 80.0}, "limit 60 deg"),
+        ({"panels_along": 0}, "panels_along = 0 .* 1 to 1000"),
+        ({"panel_mm": -1.0}, "panel_mm = -1 .* 0.001 or more"),
+        ({"turn": 1.5}, "turn = 1.5 .* 0.01 to 0.99"),
+        ({"flare": 0.0}, "flare = 0 .* 0.1 to 10"),
+        ({"bend_deg": 80.0}, "bend_deg = 80 .* -59 to 59"),
     ],
 )
 def test_canopy_refuses(arguments: dict[str, float], message: str) -> None:

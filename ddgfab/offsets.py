@@ -1,0 +1,283 @@
+"""Parallel meshes at a constant distance: of vertices, of faces or of edges; and which one it is.
+
+v' = v + d s_v, where s is a parallel mesh whose vertices lie on the unit sphere (circular nets),
+whose faces touch it (conical nets) or whose edges touch it (Koebe nets).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import breadth_first_order
+
+from ddgfab.errors import DegenerateError, MeshError
+from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.support.exact import FLAT_STAR, cone_field, reflected_axes
+from ddgfab.tolerances import RELATIVE_DEGENERATE
+
+OFFSET_RELATIVE: Final = 1e-9
+"""Distances count as constant, and edges as parallel, below this spread relative to their size."""
+
+Element = Literal["vertex", "edge", "face"]
+_PLURAL: Final[dict[Element, str]] = {"vertex": "vertices", "edge": "edges", "face": "faces"}
+
+
+@dataclass(frozen=True)
+class OffsetReport:
+    """Distances between a mesh and one parallel to it, by element; spread = greatest - least.
+
+    Attributes
+    ----------
+    distance : mean distance of vertices, of edges, of faces (signed along the normal)
+    spread : how much each varies
+    parallel : greatest sine of the angle between corresponding edges
+    scale : greatest distance of vertices, against which spreads are judged
+    """
+
+    distance: dict[Element, float]
+    spread: dict[Element, float]
+    parallel: float
+    scale: float
+
+    @property
+    def constant(self) -> tuple[Element, ...]:
+        """The elements at a constant distance, within `OFFSET_RELATIVE`."""
+        return tuple(k for k, v in self.spread.items() if v <= OFFSET_RELATIVE * self.scale)
+
+    @property
+    def is_parallel(self) -> bool:
+        """Whether all edges are parallel, within `OFFSET_RELATIVE`."""
+        return self.parallel <= OFFSET_RELATIVE
+
+    def __str__(self) -> str:
+        kind = " and ".join(self.constant) or "no"
+        words = ", ".join(f"{k} {self.distance[k]:.6g} +- {v:.1e}" for k, v in self.spread.items())
+        parallel = "parallel" if self.is_parallel else f"edges turned by {self.parallel:.1e} rad"
+        return f"{kind} offset: distance of {words}; {parallel}"
+
+
+def classify_offset(mesh: Mesh, other: Mesh | ArrayLike) -> OffsetReport:
+    """Which distances between a mesh and another with the same faces are constant.
+
+    Constant distance of vertices: (v' - v) / d lies on the unit sphere and planar faces are
+    circular; of faces: it is tangent to it and the net conical; of edges: its edges touch it, a
+    Koebe net.
+
+    Parameters
+    ----------
+    other : the parallel mesh, or its (V, 3) vertices
+
+    Raises
+    ------
+    MeshError
+        Another number of vertices.
+
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3; maths.md 10.7.
+    """
+    moved = other.vertices if isinstance(other, Mesh) else np.asarray(other, dtype=np.float64)
+    if moved.shape != mesh.vertices.shape:
+        raise MeshError(f"vertices have shape {moved.shape}; expected {mesh.vertices.shape}")
+    used = mesh.valences > 0
+    shift = moved - mesh.vertices
+    start, end = mesh.edges.T
+    along = unit(mesh.edge_vectors)
+    middle = 0.5 * (shift[start] + shift[end])
+    edge = np.linalg.norm(np.cross(middle, along), axis=1)
+    turned = np.linalg.norm(np.cross(moved[end] - moved[start], along), axis=1)
+    length = np.linalg.norm(moved[end] - moved[start], axis=1)
+    vertex = np.linalg.norm(shift[used], axis=1)
+    height = np.einsum("cx,cx->c", shift[mesh.corners], mesh.face_normals[mesh.corner_face])
+    values: dict[Element, Floats] = {"vertex": vertex, "edge": edge, "face": height}
+    # An edge may shrink to a point: then it is judged against the mesh's own.
+    sine = turned / np.maximum(length, mesh.edge_lengths)
+    return OffsetReport(
+        {name: float(v.mean()) for name, v in values.items()},
+        {name: float(np.ptp(v)) for name, v in values.items()},
+        float(sine.max()),
+        float(vertex.max()),
+    )
+
+
+def vertex_offset(mesh: Mesh, distance: float) -> Mesh:
+    """Parallel mesh of a circular net at a constant distance of vertices, to the outside.
+
+    Raises
+    ------
+    DegenerateError
+        The mesh is not circular (or a hole in it turns normals round): names the worst edge.
+
+    Source: maths.md 2.7, 10.6.
+    """
+    axes = reflected_axes(mesh)
+    _refuse(mesh, axes, "vertex", "circular")
+    return mesh.with_vertices(mesh.vertices + distance * axes)
+
+
+def face_offset(mesh: Mesh, distance: float) -> Mesh:
+    """Parallel mesh of a conical net at a constant distance of faces, to the outside.
+
+    Raises
+    ------
+    DegenerateError
+        The mesh is not conical: names the worst edge.
+
+    Source: v' = v + d axis / <axis, N>; Liu, Pottmann, Wallner, Yang, Wang 2006; maths.md 10.6.
+    """
+    field = face_field(mesh)
+    _refuse(mesh, field, "face", "conical")
+    return mesh.with_vertices(mesh.vertices + distance * field)
+
+
+def face_field(mesh: Mesh) -> Floats:
+    """(V, 3) how vertices move when every face of a conical net moves by 1 along its normal.
+
+    Boundary vertices have freedom left: theirs is nearest to the surface normals. The last digits
+    come from moving each vector by the least onto <s_v, N_f> = 1 at all its faces.
+    """
+    field = cone_field(mesh)
+    out = field.copy()
+    for valence in np.unique(mesh.valences[mesh.valences > 0]).tolist():
+        ids = np.flatnonzero(mesh.valences == valence)
+        faces = mesh.star_faces[mesh.star_start[ids, None] + np.arange(valence)]
+        normals = np.where(faces[..., None] >= 0, mesh.face_normals[faces], 0.0)
+        missing = np.where(faces >= 0, 1.0 - np.einsum("vkx,vx->vk", normals, field[ids]), 0.0)
+        out[ids] += np.einsum("vxk,vk->vx", np.linalg.pinv(normals, rcond=FLAT_STAR), missing)
+    return out
+
+
+def edge_offset(mesh: Mesh, distance: float) -> Mesh:
+    """Parallel mesh at a constant distance of edges, to the outside, of a mesh like a Koebe net.
+
+    Beams on it have one height, and their upper edges meet at the nodes.
+
+    Raises
+    ------
+    DegenerateError
+        The mesh is not parallel to a Koebe net (names the worst edge), or a vertex has too few
+        edges to tell.
+
+    Source: v' = v + d k_v; maths.md 10.6.
+    """
+    field = koebe_field(mesh)
+    return mesh.with_vertices(mesh.vertices + distance * field)
+
+
+def koebe_field(mesh: Mesh) -> Floats:
+    """(V, 3) vertices of the parallel Koebe net: every edge touches the unit sphere.
+
+    The edges at a vertex touch a sphere just when they lie on a cone of revolution, whose axis
+    solves <u_i, a> = 1 for the unit edges u_i; |k| is 1 / sin of its angle. Where the mesh is a
+    saddle, one family of its edges runs against that of the Koebe net, so u_i changes sign.
+    Corners with two edges follow from their neighbours.
+
+    Raises
+    ------
+    DegenerateError
+        The mesh is not parallel to a Koebe net; names the worst edge, or the vertex.
+
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3.3; maths.md 10.6, 7.4.
+    """
+    patterns = [np.ones(mesh.n_edges)]
+    alternate = _alternate(mesh)
+    if alternate is not None:
+        patterns.append(alternate)
+    failures: list[DegenerateError] = []
+    for signs in patterns:
+        try:
+            field = _touching(mesh, signs)
+            if np.einsum("vx,vx->", field, mesh.vertex_normals) < 0:
+                field = -field
+            _refuse(mesh, field, "edge", "parallel to a Koebe net")
+        except DegenerateError as error:
+            failures.append(error)
+        else:
+            return field
+    raise failures[0]
+
+
+def _alternate(mesh: Mesh) -> Floats | None:
+    """(E,) +1 and -1 so that neighbours in every face differ; None where that cannot be."""
+    first, second = mesh.corner_edge, mesh.corner_edge[mesh.corner_next]
+    graph = coo_array(
+        (np.ones(len(first)), (first, second)), shape=(mesh.n_edges, mesh.n_edges)
+    ).tocsr()
+    depth = np.full(mesh.n_edges, -1)
+    for edge in range(mesh.n_edges):
+        if depth[edge] >= 0:
+            continue
+        order, before = breadth_first_order(graph, edge, directed=False)
+        depth[edge] = 0
+        for follower in order[1:]:
+            depth[follower] = depth[before[follower]] + 1
+    signs = 1.0 - 2.0 * (depth % 2)
+    return None if (signs[first] == signs[second]).any() else signs
+
+
+def _touching(mesh: Mesh, signs: Floats) -> Floats:
+    """Field of `koebe_field` for given signs of the edges."""
+    field = np.zeros_like(mesh.vertices)
+    known = np.zeros(mesh.n_vertices, dtype=bool)
+    along = unit(mesh.edge_vectors) * signs[:, None]
+    for valence in np.unique(mesh.valences[mesh.valences > 2]).tolist():
+        ids = np.flatnonzero(mesh.valences == valence)
+        edges = mesh.star_edges[mesh.star_start[ids, None] + np.arange(valence)]
+        away = np.where(mesh.edges[edges, 0] == ids[:, None], 1.0, -1.0)
+        axis = np.linalg.pinv(along[edges] * away[..., None]).sum(axis=-1)
+        square = np.einsum("vx,vx->v", axis, axis)
+        good = square > 1.0  # 1 / cos^2 of the cone's angle
+        field[ids[good]] = -axis[good] / np.sqrt(square[good] - 1.0)[:, None]
+        known[ids[good]] = True
+    lines = unit(mesh.edge_vectors)
+    for vertex in np.flatnonzero(~known & (mesh.valences > 0)).tolist():
+        edges = mesh.star(vertex)[0]
+        ends = mesh.edges[edges].sum(axis=1) - vertex
+        edges, ends = edges[known[ends]], ends[known[ends]]
+        across = np.eye(3) - np.einsum("ki,kj->kij", lines[edges], lines[edges])
+        matrix = across.sum(axis=0)
+        if len(edges) < 2 or np.linalg.eigvalsh(matrix)[0] <= RELATIVE_DEGENERATE:
+            raise DegenerateError(
+                f"vertex {vertex}: its {mesh.valences[vertex]} edges lie on no cone of revolution, "
+                "so the mesh has no offset at a constant distance of edges"
+            )
+        field[vertex] = np.linalg.solve(matrix, np.einsum("kij,kj->i", across, field[ends]))
+    return field
+
+
+def exact_offset(mesh: Mesh, distance: float) -> tuple[Mesh, OffsetReport]:
+    """The parallel mesh at a constant distance that the net allows: vertices, faces or edges first.
+
+    Raises
+    ------
+    DegenerateError
+        The net is neither circular nor conical nor parallel to a Koebe net; says why for each.
+    """
+    reasons = []
+    for offset in (vertex_offset, face_offset, edge_offset):
+        try:
+            moved = offset(mesh, distance)
+        except DegenerateError as error:
+            reasons.append(str(error).split("\n")[0])
+        else:
+            return moved, classify_offset(mesh, moved)
+    raise DegenerateError("no offset at a constant distance:\n" + "; ".join(reasons))
+
+
+def _refuse(mesh: Mesh, field: Floats, element: Element, kind: str) -> None:
+    """Raise `DegenerateError` unless v + d s_v is parallel with a constant distance of elements."""
+    size = float(np.median(mesh.edge_lengths))
+    report = classify_offset(mesh, mesh.vertices + size * field)
+    if report.is_parallel and element in report.constant:
+        return
+    start, end = mesh.edges.T
+    turned = np.linalg.norm(np.cross(field[end] - field[start], unit(mesh.edge_vectors)), axis=1)
+    worst = int((turned * size / mesh.edge_lengths).argmax())
+    raise DegenerateError(
+        f"the mesh is not {kind}: offset by one edge length its edges turn by up to "
+        f"{np.degrees(report.parallel):.2g} deg (edge {worst}) and the distance of its "
+        f"{_PLURAL[element]} varies by {report.spread[element] / report.scale:.1e} (limit "
+        f"{OFFSET_RELATIVE:g})"
+    )
