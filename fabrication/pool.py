@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children, get_context, parent_process
 from typing import Any
 
 
@@ -49,12 +49,21 @@ def _interrupts_ignored() -> Iterator[None]:
 
 
 def _warm_up() -> None:
-    """Of a worker: load the kernel and keep it quiet."""
+    """Of a worker: end with the parent, load the kernel and keep it quiet."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     from fabrication.export.xcaf import mute
     from fabrication.solids.kernel import load_kernel
 
     load_kernel()
     mute()
+
+
+def _end_with_parent() -> None:
+    """A killed parent cannot stop its workers, and they would wait for work for ever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _ready() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import glob
 import os
 import re
 import shutil
@@ -56,7 +57,7 @@ class OutputFolder:
         _require_ours(self.target)
         try:
             self.target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.rmtree(self.path, ignore_errors=True)  # left by a killed job of the same id
+            _clear_orphans(self.target)
             self.path.mkdir()
         except OSError as error:
             raise explain(error, self.target) from error
@@ -109,6 +110,25 @@ def explain(error: OSError, path: Path) -> OutputError:
     else:
         why = f"cannot be written ({error.strerror or error})"
     return OutputError(f"{path}: {why}\nNothing was written.")
+
+
+def _clear_orphans(target: Path) -> None:
+    """Remove what killed jobs left beside a target: staging folders whose process is gone."""
+    if os.name != "posix":  # asking whether a process lives would end it elsewhere
+        return
+    for path in target.parent.glob(f".{glob.escape(target.name)}.partial-*"):
+        owner = path.name.rpartition("-")[2]
+        if not owner.isdigit():
+            continue
+        try:
+            if int(owner) != os.getpid():
+                os.kill(int(owner), 0)
+                continue
+        except ProcessLookupError:
+            pass
+        except OSError:
+            continue
+        shutil.rmtree(path, ignore_errors=True)
 
 
 def _sync(folder: Path) -> None:

@@ -112,10 +112,39 @@ def test_a_file_in_the_way_and_a_foreign_folder(roof: Path, tmp_path: Path) -> N
 def test_stopping_a_job_leaves_nothing(number: signal.Signals, tmp_path: Path) -> None:
     """A real process with two workers, stopped while parts are made."""
     write_obj(tmp_path / "roof.obj", canopy(panels_along=40, panels_across=20))
+    job = running(tmp_path)
+    os.killpg(job.pid, number)  # the terminal sends Ctrl-C to the whole group
+    assert job.stderr is not None
+    said = job.stderr.read()
+    assert job.wait(timeout=20) == 130
+    assert "nothing was written" in said
+    assert "Traceback" not in said
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["roof.obj"]
+
+
+@pytest.mark.slow
+def test_a_killed_job_leaves_no_workers(tmp_path: Path) -> None:
+    """SIGKILL of the parent alone: its workers end, and the next job clears what it left."""
+    write_obj(tmp_path / "roof.obj", canopy(panels_along=40, panels_across=20))
+    job = running(tmp_path)
+    workers = children(job.pid)
+    assert workers
+    job.kill()
+    job.wait(timeout=20)
+    for _ in range(100):
+        if not any(alive(worker) for worker in workers):
+            break
+        time.sleep(0.1)
+    assert not any(alive(worker) for worker in workers)
+    assert not (tmp_path / "out").exists()
+
+
+def running(folder: Path) -> subprocess.Popen[str]:
+    """A job with two workers in a session of its own, as it makes parts."""
     words = ["make", "roof.obj", "-o", "out", "--jobs", "2"]
     job = subprocess.Popen(
         [sys.executable, "-c", PROGRAM, *words],
-        cwd=tmp_path,
+        cwd=folder,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
@@ -126,9 +155,20 @@ def test_stopping_a_job_leaves_nothing(number: signal.Signals, tmp_path: Path) -
         if line.startswith("parts"):
             break
     time.sleep(0.3)
-    os.killpg(job.pid, number)  # the terminal sends Ctrl-C to the whole group
-    said = job.stderr.read()
-    assert job.wait(timeout=20) == 130
-    assert "nothing was written" in said
-    assert "Traceback" not in said
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["roof.obj"]
+    return job
+
+
+def children(pid: int) -> list[int]:
+    """Process ids of the children of a process (Linux)."""
+    listing = Path(f"/proc/{pid}/task/{pid}/children")
+    if not listing.exists():
+        pytest.skip("needs Linux's list of child processes")
+    return [int(word) for word in listing.read_text().split()]
+
+
+def alive(pid: int) -> bool:
+    """Whether a process runs (one that has ended and waits for its parent does not)."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import errno
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -194,3 +197,19 @@ def test_file_records_match_sha256_of_the_files(tmp_path: Path) -> None:
     assert second["path"] == "b/x.txt"
     # FIPS 180-2, appendix B.1
     assert second["sha256"].startswith("ba7816bf8f01cfea414140de5dae2223")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs process ids that can be asked for")
+def test_what_a_killed_job_left_is_cleared(tmp_path: Path) -> None:
+    gone = subprocess.Popen([sys.executable, "-c", "pass"])
+    gone.wait()
+    orphan = tmp_path / f".out.partial-{gone.pid}"
+    living = tmp_path / f".out.partial-{os.getppid()}"
+    other = tmp_path / ".another.partial-1x"
+    for folder in (orphan, living, other):
+        (folder / "parts").mkdir(parents=True)
+    with OutputFolder(tmp_path / "out") as staging:
+        fill(staging)
+    assert not orphan.exists()
+    assert living.exists()
+    assert other.exists()
