@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.tolerances import RELATIVE_DEGENERATE
+from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
 
 Bools = NDArray[np.bool_]
 Where = Callable[[tuple[int, ...]], str]
@@ -99,14 +99,20 @@ def net_points(points: ArrayLike, dim: int | None = None) -> Floats:
 
 
 def finite(values: Floats, what: str) -> None:
-    """Raise `InputError` at the first entry that is not finite."""
-    # A finite sum proves finite entries without an array of flags as large as the net.
-    with np.errstate(over="ignore", invalid="ignore"):
-        if np.isfinite(np.sum(values)):
-            return
-    bad = np.argwhere(~np.isfinite(values))
-    if len(bad):
-        raise InputError(f"{what}: entry {tuple(bad[0].tolist())} is not a finite number")
+    """Raise `InputError` at the first entry that is not finite or beyond `COORDINATE_LIMIT`."""
+    # Extrema carry NaN along, without an array of flags as large as the net.
+    if not values.size or max(values.max(), -values.min()) <= COORDINATE_LIMIT:
+        return
+    bad = tuple(np.argwhere(~(np.abs(values) <= COORDINATE_LIMIT))[0].tolist())
+    raise InputError(
+        f"{what}: entry {bad} is {values[bad]:g}, not a finite number below {COORDINATE_LIMIT:g}"
+    )
+
+
+def refuse_growth(new: Floats, place: Place) -> None:
+    """Raise `DegenerateError` at the first new point, components first, beyond the limit."""
+    top = np.abs(new).max(axis=0)
+    place.refuse(~(top <= COORDINATE_LIMIT), f"coordinates grow beyond {COORDINATE_LIMIT:g}", top)
 
 
 def columns(*points: ArrayLike) -> tuple[Floats, ...]:
@@ -206,7 +212,7 @@ def sweep(first: ArrayLike, second: ArrayLike, data: tuple[ArrayLike, ...], rule
         corners = [np.ascontiguousarray(flat[diagonal(s - k)].T) for k in (cols + 1, 1, cols)]
         with np.errstate(over="ignore", invalid="ignore"):
             new = rule(*corners, *(c[part] if c.ndim else c for c in cells), place)
-        place.refuse(~np.isfinite(new.sum(axis=0)), "coordinates grow beyond all numbers")
+        refuse_growth(new, place)
         flat[diagonal(s)] = new.T
     return net
 

@@ -151,15 +151,29 @@ def _cross_ratio(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -
 
 
 def interior_angles(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
-    """Angle [rad] of each quad at x_k, from x_k - x towards the side of x_l: -pi < angle <= pi.
+    """Angle [rad] of each quad at x_k, from x - x_k towards the side of x_l.
 
-    The data of `evolve_by_angles`; positive for convex quads.
+    The data of `evolve_by_angles`; between -pi and pi, positive for convex quads.
+
+    Of quads that are not quite circular, the mean of this angle and of pi less the opposite one:
+    with it the net evolved from a sampled patch of curvature lines is off by the square of the
+    mesh size, with the angle at x_k alone by its first power (measured on an ellipsoid).
+
+    Raises
+    ------
+    DegenerateError
+        Three corners of a quad on a line; names the quad.
     """
 
     def kernel(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -> Floats:
-        frame = edge_frame(x - x1, x2 - x, place, _COLLINEAR)
-        fourth = x12 - x1
-        return np.arctan2(dot(fourth, frame.w), dot(fourth, frame.e))
+        angles = []
+        for here, opposite in ((x1, x2), (x2, x1)):
+            frame = edge_frame(x - here, opposite - x, place, _COLLINEAR)
+            fourth = x12 - here
+            angles.append(np.arctan2(dot(fourth, frame.w), dot(fourth, frame.e)))
+        # The two add up to a multiple of pi on a circle, also where the quad crosses itself.
+        defect = angles[0] + angles[1]
+        return np.asarray(angles[0] - 0.5 * (defect - np.pi * np.round(defect / np.pi)))
 
     return measure(points, axes, kernel)
 
@@ -310,8 +324,8 @@ def evolve_by_cross_ratio(
 
     Warning: this is ill-posed, like the Cauchy problem of an elliptic equation. Small changes of
     the polylines grow with every cell, and refining the sampling of a smooth surface makes the
-    result worse (measured on an ellipsoid: errors .017 to .44 for 4 to 64 cells a side). For more
-    than a few cells use `evolve_by_angles`.
+    result worse (measured on a patch of an ellipsoid: errors .02, .25, .36 for 4, 8, 16 cells a
+    side, where angles leave .0015, .0004, .0001). Beyond a few cells use `evolve_by_angles`.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.cells import Place, columns, finite, net_points, norm
+from ddgfab.nets.cells import Place, columns, finite, net_points, norm, refuse_growth
 from ddgfab.nets.conjugate import coeffs_kernel, conj_residual, planarity
 from ddgfab.tolerances import CONDITION_LIMIT, NET_INPUT, RELATIVE_DEGENERATE
 
@@ -284,7 +284,7 @@ def _fill(net: Floats, subset: tuple[int, ...], verify: bool) -> None:
 
         place = Place(cell, "cube below point")
         new = _from_cube(flat, at, strides[list(subset[:3])], place)
-        place.refuse(~np.isfinite(new.sum(axis=0)), "coordinates grow beyond all numbers")
+        refuse_growth(new, place)
         flat[at] = new.T
         if verify:
             _verify(flat, at, strides[list(subset)], place)

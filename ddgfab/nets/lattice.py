@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
+from ddgfab.nets.cells import finite
 from ddgfab.tolerances import NET_INPUT
 
 Transform = Callable[[Floats], ArrayLike]
@@ -38,8 +39,7 @@ def stack_transforms(nets: Sequence[ArrayLike]) -> Floats:
     for number, sheet in enumerate(sheets):
         if sheet.ndim < 2 or sheet.shape != sheets[0].shape:
             raise InputError(f"sheet {number} has shape {sheet.shape}, sheet 0 {sheets[0].shape}")
-        if not np.isfinite(sheet).all():
-            raise InputError(f"sheet {number} has an entry that is not a finite number")
+        finite(sheet, f"sheet {number}")
     return np.stack(sheets, axis=-2)
 
 
