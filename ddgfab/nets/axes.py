@@ -62,30 +62,33 @@ def axis_intersections(
 
     Parameters
     ----------
-    centres, directions : (K, 3) points and unit directions of the axes of a row of quads
+    centres, directions : (..., K, 3) points and directions of the axes of rows of quads, as from
+        `circle_axes`; turn its arrays with ``swapaxes(0, 1)`` for the strips of the other direction
 
     Returns
     -------
-    points : (K - 1, 3) points of intersection (midpoints of nearest points); where the axes are
-        parallel, the unit direction in which they meet at infinity
-    infinite : (K - 1,) True where the axes are parallel
+    points : (..., K - 1, 3) points of intersection (midpoints of nearest points); where the axes
+        are parallel, the unit direction in which they meet at infinity
+    infinite : (..., K - 1) True where the axes are parallel
 
     Source: maths.md 2.5.
     """
     c, n = np.asarray(centres, dtype=np.float64), np.asarray(directions, dtype=np.float64)
-    if c.ndim != 2 or c.shape[1] != 3 or n.shape != c.shape or len(c) < 2:
-        raise InputError(f"axes of a strip have shape (K, 3), K > 1; not {c.shape} and {n.shape}")
+    if c.ndim < 2 or c.shape[-1] != 3 or n.shape != c.shape or c.shape[-2] < 2:
+        raise InputError(
+            f"axes of strips have shape (..., K, 3), K > 1; not {c.shape} and {n.shape}"
+        )
     n = unit(n)
-    first, second = n[:-1], n[1:]
+    first, second = n[..., :-1, :], n[..., 1:, :]
     normal = np.cross(first, second)
-    square = np.sum(normal * normal, axis=1)
+    square = np.sum(normal * normal, axis=-1)
     infinite = square <= RELATIVE_DEGENERATE**2
     square = np.where(infinite, 1.0, square)
-    step = c[1:] - c[:-1]
-    along = np.sum(np.cross(step, second) * normal, axis=1) / square
-    back = np.sum(np.cross(step, first) * normal, axis=1) / square
-    meet = 0.5 * (c[:-1] + along[:, None] * first + c[1:] + back[:, None] * second)
-    return np.where(infinite[:, None], first, meet), infinite
+    step = c[..., 1:, :] - c[..., :-1, :]
+    along = np.sum(np.cross(step, second) * normal, axis=-1) / square
+    back = np.sum(np.cross(step, first) * normal, axis=-1) / square
+    ends = c[..., :-1, :] + along[..., None] * first, c[..., 1:, :] + back[..., None] * second
+    return np.where(infinite[..., None], first, 0.5 * (ends[0] + ends[1])), infinite
 
 
 def vertex_normals(points: ArrayLike, first: ArrayLike) -> Floats:

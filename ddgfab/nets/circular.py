@@ -1,18 +1,19 @@
 """Circular nets: every quad has a circumcircle; measures, and evolution in two directions.
 
 Source: Bobenko, Suris, Discrete Differential Geometry, 3.1; maths.md 2.1-2.3. For three and more
-directions see `miquel`, for the circles' axes and the normals at the vertices `axes`.
+directions see `miquel`, for cross-ratios `cross_ratio`, for the circles' axes and the normals at
+the vertices `axes`.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.cells import Place, columns, cross, dot, edge_frame, measure, norm, pairs, sweep
-from ddgfab.nets.conjugate import residuals as conjugate_residuals
+from ddgfab.nets.conjugate import conjugate_residuals
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 _COLLINEAR = "three corners lie on a line: their edges are parallel"
@@ -81,75 +82,13 @@ def circularity_kernel(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Pl
     return np.asarray(np.maximum(off_sphere, off_plane) / radius)
 
 
-def residuals(points: ArrayLike) -> dict[str, float]:
+def circular_residuals(points: ArrayLike) -> dict[str, float]:
     """Greatest planarity and circularity over the quads of all pairs of directions."""
-    worst = max(float(circularity(points, pair).max()) for pair in pairs(points))
+    worst = max(float(circularity(points, p).max(initial=0.0)) for p in pairs(points))
     return {**conjugate_residuals(points), "circularity": worst}
 
 
-# --- cross-ratios and angles ---------------------------------------------------------------------
-def complex_cross_ratio(
-    a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike
-) -> NDArray[np.complex128]:
-    """(a - b)(c - d) / ((b - c)(d - a)) of points of the complex plane; real when concircular.
-
-    Raises
-    ------
-    DegenerateError
-        b = c or d = a; names the index.
-
-    Source: maths.md 2.2.
-    """
-    p, q, r, s = np.broadcast_arrays(*(np.asarray(z, dtype=np.complex128) for z in (a, b, c, d)))
-    below = (q - r) * (s - p)
-    Place().refuse(below == 0, "neighbouring corners coincide")
-    return np.asarray((p - q) * (r - s) / below)
-
-
-def cross_ratio(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> tuple[Floats, Floats]:
-    """Real part and length of the imaginary part of the quaternionic cross-ratio of four points.
-
-    q = (a - b)(b - c)^-1 (c - d)(d - a)^-1 with points of R^3 (or R^2) as imaginary quaternions.
-    Imaginary part zero: concircular; then real part negative: convex, embedded. Square: -1.
-
-    Parameters
-    ----------
-    a, b, c, d : (..., 2 or 3), in cyclic order
-
-    Raises
-    ------
-    DegenerateError
-        b = c or d = a; names the index.
-
-    Source: Bobenko, Pinkall; maths.md 2.2.
-    """
-    p, q, r, s = columns(a, b, c, d)
-    both = _cross_ratio(p, q, s, r, Place())
-    return both[0], both[1]
-
-
-def cross_ratios(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> tuple[Floats, Floats]:
-    """Cross-ratios q(x, x_k, x_kl, x_l) of the quads of a net in R^2 or R^3; see `cross_ratio`."""
-    both = measure(points, axes, _cross_ratio)
-    return both[..., 0], both[..., 1]
-
-
-def _cross_ratio(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -> Floats:
-    if len(x) > 3:
-        raise InputError(f"cross-ratios need points in R^2 or R^3, not R^{len(x)}")
-    u, v, w, z = x - x1, x1 - x12, x12 - x2, x2 - x
-    below = dot(v, v) * dot(z, z)
-    place.refuse(below == 0, "neighbouring corners coincide")
-    first, second = dot(u, v), dot(w, z)
-    if len(x) == 2:
-        twist, turn = u[0] * v[1] - u[1] * v[0], w[0] * z[1] - w[1] * z[0]
-        real = first * second - twist * turn
-        return np.stack([real, np.abs(first * turn + second * twist)]) / below
-    left, right = cross(u, v), cross(w, z)
-    imaginary = first * right + second * left - cross(left, right)
-    return np.stack([first * second - dot(left, right), norm(imaginary)]) / below
-
-
+# --- angles ---------------------------------------------------------------------------------------
 def interior_angles(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     """Angle [rad] of each quad at x_k, from x - x_k towards the side of x_l.
 

@@ -72,33 +72,39 @@ def planarity_fitted(points: ArrayLike) -> tuple[Floats, np.typing.NDArray[np.bo
     """
 
     def kernel(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -> Floats:
-        corners = np.moveaxis(np.stack([x, x1, x12, x2]), 1, -1)  # (4, ..., dim)
-        corners = np.moveaxis(corners, 0, -2)
-        centred = corners - corners.mean(axis=-2, keepdims=True)
-        lines = np.linalg.svd(centred, full_matrices=False)[2]
-        plane = np.einsum("...ij,...kj->...ik", centred, lines[..., :2, :])
-        rest = centred - np.einsum("...ik,...kj->...ij", plane, lines[..., :2, :])
         first, second = x12 - x, x2 - x1
-        lengths = norm(first) * norm(second)
-        mean = 0.5 * (norm(first) + norm(second))
-        place.refuse(mean == 0, "all corners are one point")
-        sine = np.sqrt(np.maximum(lengths**2 - dot(first, second) ** 2, 0.0))
-        flag = sine <= np.sqrt(RELATIVE_DEGENERATE) * lengths
-        distance = 2.0 * np.linalg.norm(rest, axis=-1).max(axis=-1)
-        exact = np.array(distance)
-        if not flag.all():
-            a, b, c, d = (np.asarray(p[:, ~flag]) for p in (x, x1, x2, x12))
-            exact[~flag] = np.abs(_planarity(a, b, c, d, place)) * mean[~flag]
-        return np.stack([exact / mean, flag.astype(np.float64)])
+        square, other = dot(first, first), dot(second, second)
+        place.refuse((square == 0) & (other == 0), "both diagonals have no length")
+        along = np.divide(dot(first, second), square, out=np.zeros_like(square), where=square > 0)
+        across = norm(second - along * first)
+        flag = (square == 0) | (across <= RELATIVE_DEGENERATE * np.sqrt(other))
+        values = np.empty(flag.shape)
+        a, b, c, d = (np.asarray(p[:, ~flag]) for p in (x, x1, x2, x12))
+        values[~flag] = np.abs(_planarity(a, b, c, d, place))
+        a, b, c, d = (np.asarray(p[:, flag]) for p in (x, x1, x2, x12))
+        values[flag] = _off_plane(a, b, c, d)
+        return np.stack([values, flag.astype(np.float64)])
 
     both = measure(points, (0, 1), kernel)
     return both[..., 0], both[..., 1] > 0
 
 
-def residuals(points: ArrayLike) -> dict[str, float]:
+def _off_plane(x: Floats, x1: Floats, x2: Floats, x12: Floats) -> Floats:
+    """Twice the greatest distance from the plane of least squares, by the mean diagonal."""
+    corners = np.moveaxis(np.stack([x, x1, x12, x2]), (0, 1), (-2, -1))
+    centred = corners - corners.mean(axis=-2, keepdims=True)
+    plane = np.linalg.svd(centred, full_matrices=False)[2][..., :2, :]
+    rest = centred - np.einsum("...ij,...kj,...kl->...il", centred, plane, plane)
+    mean = 0.5 * (norm(x12 - x) + norm(x2 - x1))
+    return np.asarray(2.0 * np.linalg.norm(rest, axis=-1).max(axis=-1) / mean)
+
+
+def conjugate_residuals(points: ArrayLike) -> dict[str, float]:
     """Greatest planarity over the quads of all pairs of directions."""
     return {
-        "planarity": max(float(np.abs(planarity(points, pair)).max()) for pair in pairs(points))
+        "planarity": max(
+            float(np.abs(planarity(points, pair)).max(initial=0.0)) for pair in pairs(points)
+        )
     }
 
 

@@ -12,10 +12,32 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import finite
+from ddgfab.nets.cells import Place, finite
+from ddgfab.nets.cubes import coordinate_surfaces, evolve_nd
 from ddgfab.tolerances import NET_INPUT
 
 Transform = Callable[[Floats], ArrayLike]
+
+
+def sample(surface: Callable[..., ArrayLike], *parameters: ArrayLike) -> Floats:
+    """(n1, ..., nd, dim) net of a smooth map of d variables at given values of each.
+
+    Parameters
+    ----------
+    surface : d numbers to a point (dim,); called once for each point
+    parameters : d arrays (n_k,)
+    """
+    values = [np.asarray(p, dtype=np.float64) for p in parameters]
+    if not values or any(p.ndim != 1 or not len(p) for p in values):
+        raise InputError(f"parameters of shapes {[p.shape for p in values]}: lists are needed")
+    shape = tuple(len(p) for p in values)
+    points = [
+        np.asarray(surface(*(float(p[i]) for p, i in zip(values, at, strict=True))), np.float64)
+        for at in np.ndindex(*shape)
+    ]
+    net = np.stack(points).reshape(*shape, -1)
+    finite(net, "sampled surface")
+    return net
 
 
 def stack_transforms(nets: Sequence[ArrayLike]) -> Floats:
@@ -82,6 +104,40 @@ def lattice(
                     f"the transforms do not commute: T_b T_a x and T_a T_b x are {gap:g} apart "
                     f"(limit {NET_INPUT * size:g}); give the common transform"
                 )
-    return stack_transforms([stack_transforms([x, b]), stack_transforms([a, both])]).swapaxes(
-        -3, -2
-    )
+    return np.stack([stack_transforms([x, b]), stack_transforms([a, both])], axis=-3)
+
+
+def common_transform(
+    net: ArrayLike, first: ArrayLike, second: ArrayLike, corner: ArrayLike
+) -> Floats:
+    """The net that is a transform of two transforms of one net: T_ab x, given its first point.
+
+    Conjugate nets (parallel ones among them) and circular nets (Ribaucour transforms): x, T_a x,
+    T_b x and T_ab x are the four layers of a net of two more directions, and 4D consistency makes
+    the rest from the first point. For `lattice`.
+
+    Parameters
+    ----------
+    net, first, second : (n1, ..., nd, dim) x, T_a x, T_b x
+    corner : (dim,) first point of T_ab x, in the plane (for circular nets: on the circle) of the
+        first points of the three
+
+    Raises
+    ------
+    DegenerateError
+        A quad that is not planar, or layers that are no transforms of the net; as `evolve_nd`.
+
+    Source: Bobenko, Suris, 2.1, 3.1; maths.md 1.9.
+    """
+    x, a, b = (np.asarray(part, dtype=np.float64) for part in (net, first, second))
+    origin = (0,) * (x.ndim - 1)
+    given = np.stack([stack_transforms([x, b]), stack_transforms([a, a])], axis=-3)
+    given[(*origin, 1, 1)] = corner
+    made = evolve_nd(coordinate_surfaces(given))
+    size = float(np.ptp(x.reshape(-1, x.shape[-1]), axis=0).max())
+    for name, sheet, layer in (("first", a, made[..., 1, 0, :]), ("second", b, made[..., 0, 1, :])):
+        gap = np.abs(sheet - layer).max(axis=-1)
+        Place(name=f"{name} transform, point").refuse(
+            gap > NET_INPUT * size, "it is no transform of the net: distance", gap
+        )
+    return np.asarray(made[..., 1, 1, :])

@@ -81,7 +81,7 @@ def test_the_eighth_point_lies_on_three_circles_and_the_sphere() -> None:
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 def test_three_directions(scale: float) -> None:
     x = net((7, 6, 5)) * scale
-    assert max(ci.residuals(x).values()) < 1e-10
+    assert max(ci.circular_residuals(x).values()) < 1e-10
     assert miquel.sphere_defect(x).max() < 1e-9
     again = miquel.evolve_circular(coordinate_surfaces(x))
     assert np.abs(again - x).max() < 1e-11 * scale
@@ -97,7 +97,7 @@ def test_three_directions(scale: float) -> None:
 def test_four_directions(dim: int) -> None:
     x = net((4, 3, 3, 3), dim)
     assert x.shape == (4, 3, 3, 3, dim)
-    assert max(ci.residuals(x).values()) < 1e-9
+    assert max(ci.circular_residuals(x).values()) < 1e-9
     backwards = miquel.evolve_circular(coordinate_surfaces(x.transpose(3, 2, 1, 0, 4)))
     assert np.abs(backwards.transpose(3, 2, 1, 0, 4) - x).max() < 1e-10
 
@@ -118,7 +118,7 @@ def test_ribaucour_transforms_are_layers() -> None:
     x = net((6, 5))
     n = vertex_normals(x, [0.1, 0.2, 1.0])
     pair = stack_transforms([x, x + 0.1 * n])
-    assert max(ci.residuals(pair).values()) < 1e-11
+    assert max(ci.circular_residuals(pair).values()) < 1e-11
     # The second layer follows from its two boundary lines.
     assert np.abs(miquel.evolve_circular(coordinate_surfaces(pair)) - pair).max() < 1e-11
 
@@ -128,7 +128,7 @@ def test_common_transform_of_two_is_a_net_of_four_directions() -> None:
     x, a, b = y[:, :, 0, 0], y[:, :, 1, 0], y[:, :, 0, 1]
     z = lattice(x, lambda _: a, lambda _: b, lambda *_: y[:, :, 1, 1])
     assert np.array_equal(z, y)
-    assert max(ci.residuals(z).values()) < 1e-10
+    assert max(ci.circular_residuals(z).values()) < 1e-10
 
 
 def test_bad_cubes_and_surfaces_are_named() -> None:

@@ -11,10 +11,10 @@ from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets import conjugate as cn
 from ddgfab.nets import cubes
-from ddgfab.nets.lattice import lattice, stack_transforms
+from ddgfab.nets.lattice import common_transform, lattice, sample, stack_transforms
 
 
-def sample() -> Floats:
+def given_c() -> Floats:
     """The coefficients of maths.md 1.7, C[l, k] = c^lk."""
     return np.array([[0, 0.1, -0.2], [0.2, 0, -0.1], [0.05, 0.3, 0]])
 
@@ -52,8 +52,8 @@ def surfaces(sizes: tuple[int, ...], dim: int, seed: int = 0, size: float = 0.1)
 
 
 def test_phi_numbers_of_the_specification() -> None:
-    assert cubes.cube_xi(sample()) == pytest.approx([1.28174387, 1.32479564, 0.65395095], abs=1e-8)
-    p = cubes.phi(sample())
+    assert cubes.cube_xi(given_c()) == pytest.approx([1.28174387, 1.32479564, 0.65395095], abs=1e-8)
+    p = cubes.phi(given_c())
     wanted = {
         (0, 1): 0.019073569482,  # c_3^12
         (1, 0): 0.220708446866,
@@ -64,7 +64,7 @@ def test_phi_numbers_of_the_specification() -> None:
     }
     for at, value in wanted.items():
         assert p[at] == pytest.approx(value, abs=1e-12)
-    assert np.abs(cubes.phi_inverse(p) - sample()).max() < 1e-14
+    assert np.abs(cubes.phi_inverse(p) - given_c()).max() < 1e-14
 
 
 def test_phi_solves_the_linear_system_of_the_lemma_and_its_inverse_inverts() -> None:
@@ -98,7 +98,7 @@ def test_phi_is_what_the_opposite_faces_of_a_cube_have(dim: int) -> None:
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 def test_eighth_vertex_is_the_point_of_three_planes(scale: float) -> None:
-    corners = [scale * p for p in cube_of(sample(), 3)]
+    corners = [scale * p for p in cube_of(given_c(), 3)]
     _, x1, x2, x3, x12, x13, x23 = corners
     normals, heights = [], []
     for base, a, b in ((x1, x12, x13), (x2, x12, x23), (x3, x13, x23)):
@@ -114,7 +114,7 @@ def test_evolution_keeps_planarity_and_is_affinely_covariant() -> None:
     given = surfaces((7, 6, 5), 3)
     x = cubes.evolve_3d(given[0, 1], given[0, 2], given[1, 2])
     assert x.shape == (7, 6, 5, 3)
-    assert cn.residuals(x)["planarity"] < 1e-11
+    assert cn.conjugate_residuals(x)["planarity"] < 1e-11
     for pair, surface in cubes.coordinate_surfaces(x).items():
         assert np.array_equal(surface, given[pair])
     matrix = np.array([[1, 0.4, 0], [0, 2, 0.3], [0.2, 0, 0.7]])
@@ -163,21 +163,21 @@ def test_larger_nets_of_four_directions() -> None:
     given = surfaces((4, 3, 3, 4), 4, seed=2, size=0.05)
     x = cubes.evolve_nd(given, verify=True)
     assert np.isfinite(x).all()
-    assert cn.residuals(x)["planarity"] < 1e-11
+    assert cn.conjugate_residuals(x)["planarity"] < 1e-11
 
 
 def test_degenerate_cubes_are_named() -> None:
-    c = sample()
+    c = given_c()
     c[0, 1] = -1.0
     with pytest.raises(DegenerateError, match=r"cube \(1,\): 1 \+ c = 0"):
-        cubes.cube_xi(np.stack([sample(), c]))
+        cubes.cube_xi(np.stack([given_c(), c]))
     # M_kl = 1/2 everywhere off the diagonal: I - M has no inverse. c / (1 + c) = 1/2 for c = 1.
     with pytest.raises(DegenerateError, match="planes of the three further faces"):
         cubes.cube_xi(np.ones((3, 3)))
     half = np.full((3, 3), -0.5)
     with pytest.raises(DegenerateError, match="three corners of a quad"):
         cubes.seen_from_opposite(half)
-    corners = cube_of(sample(), 3)
+    corners = cube_of(given_c(), 3)
     corners[5] = corners[5] + [0, 0.01, 0]
     with pytest.raises(DegenerateError, match=r"quad \(0, 2\) is not planar"):
         cubes.cube_point(*corners)
@@ -217,9 +217,9 @@ def test_layers_and_lattices_are_larger_nets() -> None:
     )
     y = stack_transforms([first, other])
     assert y.shape == (6, 5, 2, 3)
-    assert cn.residuals(y)["planarity"] < 1e-12
+    assert cn.conjugate_residuals(y)["planarity"] < 1e-12
     tilted = other + np.random.default_rng(0).normal(size=other.shape) * 0.01
-    assert cn.residuals(stack_transforms([second, tilted]))["planarity"] > 1e-4
+    assert cn.conjugate_residuals(stack_transforms([second, tilted]))["planarity"] > 1e-4
 
     z = lattice(first, lambda x: 2.0 * x, lambda x: x @ np.diag([1.0, 2.0, 3.0]))
     assert z.shape == (6, 5, 2, 2, 3)
@@ -234,3 +234,29 @@ def test_layers_and_lattices_are_larger_nets() -> None:
         stack_transforms([first, first[1:]])
     with pytest.raises(InputError, match="1 sheets"):
         stack_transforms([first])
+
+
+def test_common_transform_is_found_from_one_point() -> None:
+    y = cubes.evolve_nd(surfaces((4, 3, 2, 2), 3, seed=4, size=0.05))
+    x, a, b, both = y[:, :, 0, 0], y[:, :, 1, 0], y[:, :, 0, 1], y[:, :, 1, 1]
+    assert np.abs(common_transform(x, a, b, both[0, 0]) - both).max() < 1e-12
+    z = lattice(x, lambda _: a, lambda _: b, lambda *nets: common_transform(*nets, both[0, 0]))
+    assert np.abs(z - y).max() < 1e-12
+    wrong = a.copy()
+    wrong[2, 2] += 0.05 * (a[2, 2] - a[1, 2])
+    with pytest.raises(DegenerateError, match=r"first transform, point \(2, 2\)"):
+        common_transform(x, wrong, b, both[0, 0])
+
+
+def test_smooth_surfaces_are_sampled_sheet_by_sheet() -> None:
+    sheets = [
+        sample(lambda u, v, w=w: [u + w, v + u * w, u * v], [0.0, 1, 2], [0.0, 0.5])
+        for w in (0.0, 0.1)
+    ]
+    y = stack_transforms(sheets)
+    assert y.shape == (3, 2, 2, 3)
+    assert y[2, 1, 1] == pytest.approx([2.1, 0.7, 1.0])
+    with pytest.raises(InputError, match="lists are needed"):
+        sample(lambda u: [u, u], 3.0)
+    with pytest.raises(InputError, match="nan"):
+        sample(lambda u: [u, np.nan], [1.0, 2.0])
