@@ -18,7 +18,7 @@ import numpy as np
 from ddgfab.mesh import Floats
 from ddgfab.nets.circular import circularity, evolve_by_angles
 from ddgfab.nets.conjugate import planarity
-from ddgfab.nets.cross_ratio import cross_ratios
+from ddgfab.nets.crossratio import cross_ratios
 from ddgfab.nets.miquel import evolve_circular_by_angles
 
 LARGE, SMALL, CUBE = 1000, 100, 40

@@ -6,11 +6,13 @@ from ddgfab.errors import DdgError
 from ddgfab.io import read_mesh, write_obj
 from ddgfab.measures import inspect
 from ddgfab.mesh import Mesh
+from ddgfab.net import Net
 from ddgfab.support import SupportStructure, support_structure
 
 __all__ = [
     "DdgError",
     "Mesh",
+    "Net",
     "SupportStructure",
     "inspect",
     "read_mesh",

@@ -1,11 +1,106 @@
-"""Nets: functions on arrays of shape (M + 1, N + 1, 3), and the generated example."""
+"""Nets: functions on arrays of shape (n1, ..., nd, dim), and the generated example.
+
+A class of nets a module: what it is (measures), how it evolves, how it is generated.
+"""
 
 from __future__ import annotations
 
-from ddgfab.nets.axes import vertex_normals
+from ddgfab.nets.axes import (
+    axis_coplanarity,
+    axis_intersections,
+    circle_axes,
+    normals_closure,
+    vertex_normals,
+)
 from ddgfab.nets.canopy import canopy
-from ddgfab.nets.circular import circularity
+from ddgfab.nets.circular import (
+    angle_sum_defect,
+    circular_residuals,
+    circularity,
+    circumcircle,
+    evolve_by_angles,
+    evolve_by_cross_ratio,
+    fourth_by_angle,
+    fourth_by_t,
+    interior_angles,
+)
+from ddgfab.nets.conjugate import (
+    coefficients,
+    conj_coeffs,
+    conj_residual,
+    conjugate_residuals,
+    evolve_conjugate,
+    planarity,
+    planarity_fitted,
+    quad_volume_density,
+    quad_volumes,
+)
+from ddgfab.nets.crossratio import complex_cross_ratio, cross_ratio, cross_ratios
+from ddgfab.nets.cubes import (
+    coordinate_surfaces,
+    cube_point,
+    cube_xi,
+    evolve_3d,
+    evolve_nd,
+    phi,
+    phi_inverse,
+    seen_from_opposite,
+)
 from ddgfab.nets.grid import grid_mesh
+from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
+from ddgfab.nets.miquel import (
+    evolve_circular,
+    evolve_circular_by_angles,
+    miquel_point,
+    sphere_defect,
+)
 from ddgfab.nets.monge import monge, profile_polyline
 
-__all__ = ["canopy", "circularity", "grid_mesh", "monge", "profile_polyline", "vertex_normals"]
+__all__ = [
+    "angle_sum_defect",
+    "axis_coplanarity",
+    "axis_intersections",
+    "canopy",
+    "circle_axes",
+    "circular_residuals",
+    "circularity",
+    "circumcircle",
+    "coefficients",
+    "common_transform",
+    "complex_cross_ratio",
+    "conj_coeffs",
+    "conj_residual",
+    "conjugate_residuals",
+    "coordinate_surfaces",
+    "cross_ratio",
+    "cross_ratios",
+    "cube_point",
+    "cube_xi",
+    "evolve_3d",
+    "evolve_by_angles",
+    "evolve_by_cross_ratio",
+    "evolve_circular",
+    "evolve_circular_by_angles",
+    "evolve_conjugate",
+    "evolve_nd",
+    "fourth_by_angle",
+    "fourth_by_t",
+    "grid_mesh",
+    "interior_angles",
+    "lattice",
+    "miquel_point",
+    "monge",
+    "normals_closure",
+    "phi",
+    "phi_inverse",
+    "planarity",
+    "planarity_fitted",
+    "profile_polyline",
+    "quad_volume_density",
+    "quad_volumes",
+    "sample",
+    "seen_from_opposite",
+    "sphere_defect",
+    "stack_transforms",
+    "vertex_normals",
+]

@@ -1,7 +1,7 @@
 """Circular nets: every quad has a circumcircle; measures, and evolution in two directions.
 
 Source: Bobenko, Suris, Discrete Differential Geometry, 3.1; maths.md 2.1-2.3. For three and more
-directions see `miquel`, for cross-ratios `cross_ratio`, for the circles' axes and the normals at
+directions see `miquel`, for cross-ratios `crossratio`, for the circles' axes and the normals at
 the vertices `axes`.
 """
 

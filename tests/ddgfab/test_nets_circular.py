@@ -12,7 +12,7 @@ from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets import circular as ci
 from ddgfab.nets import conjugate as cn
-from ddgfab.nets import cross_ratio as cr
+from ddgfab.nets import crossratio as cr
 from ddgfab.nets.axes import circle_axes
 from ddgfab.surfaces import ellipsoid_normals, ellipsoid_patch
 from ddgfab.transforms import invert

@@ -14,7 +14,7 @@ from ddgfab.nets import miquel
 from ddgfab.nets.axes import vertex_normals
 from ddgfab.nets.conjugate import coefficients
 from ddgfab.nets.cubes import coordinate_surfaces
-from ddgfab.nets.lattice import lattice, stack_transforms
+from ddgfab.nets.layers import lattice, stack_transforms
 from ddgfab.transforms import invert
 
 E = np.eye(3)

@@ -11,7 +11,7 @@ from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets import conjugate as cn
 from ddgfab.nets import cubes
-from ddgfab.nets.lattice import common_transform, lattice, sample, stack_transforms
+from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
 
 
 def given_c() -> Floats:
@@ -260,3 +260,23 @@ def test_smooth_surfaces_are_sampled_sheet_by_sheet() -> None:
         sample(lambda u: [u, u], 3.0)
     with pytest.raises(InputError, match="nan"):
         sample(lambda u: [u, np.nan], [1.0, 2.0])
+
+
+@pytest.mark.parametrize(("directions", "message"), [(3, "not planar"), (4, "another cube")])
+def test_verify_sees_wrong_points(
+    monkeypatch: pytest.MonkeyPatch, directions: int, message: str
+) -> None:
+    given = surfaces((3,) * directions, 4)
+    made, fill = cubes._from_cube, cubes._fill
+    bump = np.array([[0.0], [0.0], [0.0], [1e-3]])
+
+    def wrong(net: Floats, subset: tuple[int, ...], verify: bool) -> None:
+        if len(subset) == directions:
+            monkeypatch.setattr(cubes, "_from_cube", lambda *a: made(*a) + bump)
+        fill(net, subset, verify)
+
+    monkeypatch.setattr(cubes, "_fill", wrong)
+    point = "1, 1, 1" + ", 1" * (directions - 3)
+    with pytest.raises(DegenerateError, match=rf"point \({point}\): .*{message}"):
+        cubes.evolve_nd(given, verify=True)
+    assert np.isfinite(cubes.evolve_nd(given)).all()

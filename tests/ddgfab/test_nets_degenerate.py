@@ -11,7 +11,7 @@ import pytest
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats
-from ddgfab.nets import axes, circular, conjugate, cross_ratio, cubes, miquel
+from ddgfab.nets import axes, circular, conjugate, crossratio, cubes, miquel
 
 Values = Floats | tuple[Floats, ...]
 RNG = np.random.default_rng
@@ -53,7 +53,7 @@ TASKS: dict[str, Callable[[np.random.Generator], Values]] = {
     "evolve_by_cross_ratio": lambda g: circular.evolve_by_cross_ratio(
         *lines(g), pick(g, -1, -2, 3, -0.5, 1, 0, 1e30) if g.random() < 0.3 else -1.0
     ),
-    "cross_ratios": lambda g: cross_ratio.cross_ratios(lattice_points(g, 3, 3)),
+    "cross_ratios": lambda g: crossratio.cross_ratios(lattice_points(g, 3, 3)),
     "circle_axes": lambda g: axes.circle_axes(lattice_points(g, 3, 2)),
     "axis_intersections": lambda g: axes.axis_intersections(
         *axes.circle_axes(lattice_points(g, 2, 3))
