@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.support.exact import FLAT_STAR, cone_field, reflected_axes
+from ddgfab.support.exact import cone_field, reflected_axes
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 OFFSET_RELATIVE: Final = 1e-9
@@ -120,6 +120,8 @@ def vertex_offset(mesh: Mesh, distance: float) -> Mesh:
 def face_offset(mesh: Mesh, distance: float) -> Mesh:
     """Parallel mesh of a conical net at a constant distance of faces, to the outside.
 
+    Boundary vertices have freedom left: theirs are nearest to the surface normals.
+
     Raises
     ------
     DegenerateError
@@ -127,26 +129,9 @@ def face_offset(mesh: Mesh, distance: float) -> Mesh:
 
     Source: v' = v + d axis / <axis, N>; Liu, Pottmann, Wallner, Yang, Wang 2006; maths.md 10.6.
     """
-    field = face_field(mesh)
+    field = cone_field(mesh)
     _refuse(mesh, field, "face", "conical")
     return mesh.with_vertices(mesh.vertices + distance * field)
-
-
-def face_field(mesh: Mesh) -> Floats:
-    """(V, 3) how vertices move when every face of a conical net moves by 1 along its normal.
-
-    Boundary vertices have freedom left: theirs is nearest to the surface normals. The last digits
-    come from moving each vector by the least onto <s_v, N_f> = 1 at all its faces.
-    """
-    field = cone_field(mesh)
-    out = field.copy()
-    for valence in np.unique(mesh.valences[mesh.valences > 0]).tolist():
-        ids = np.flatnonzero(mesh.valences == valence)
-        faces = mesh.star_faces[mesh.star_start[ids, None] + np.arange(valence)]
-        normals = np.where(faces[..., None] >= 0, mesh.face_normals[faces], 0.0)
-        missing = np.where(faces >= 0, 1.0 - np.einsum("vkx,vx->vk", normals, field[ids]), 0.0)
-        out[ids] += np.einsum("vxk,vk->vx", np.linalg.pinv(normals, rcond=FLAT_STAR), missing)
-    return out
 
 
 def edge_offset(mesh: Mesh, distance: float) -> Mesh:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ddgfab.measures.areas import mixed_areas, oriented_areas
 from ddgfab.measures.edges import dihedral_angles, lean, torsion
 from ddgfab.measures.faces import chebyshev_defect, circular_defect, planarity, planarity_percent
 from ddgfab.measures.kinds import kind_names, kind_words
@@ -19,6 +20,8 @@ __all__ = [
     "kind_names",
     "kind_words",
     "lean",
+    "mixed_areas",
+    "oriented_areas",
     "planarity",
     "planarity_percent",
     "star_defect",

@@ -64,25 +64,32 @@ def _stars(values: Floats) -> Floats:
     return np.stack([values[:-1, :-1], values[1:, :-1], values[1:, 1:], values[:-1, 1:]], axis=2)
 
 
-def conical_determinant(points: ArrayLike) -> Floats:
+def conical_determinant(points: ArrayLike, normals: ArrayLike | None = None) -> Floats:
     """(M - 1, N - 1) det(N1 - N0, N2 - N0, N3 - N0) of the unit face normals at interior vertices.
 
-    Zero just when the four end on one circle of the unit sphere, that is when the faces touch a
-    cone of revolution: the first test of a conical net, valid for folded vertices too. The faces
-    have to be planar.
+    Zero just when the four end on one circle of the unit sphere, that is when the oriented faces
+    touch a cone of revolution: the first test of a conical net. The faces have to be planar.
 
     Parameters
     ----------
     points : (M + 1, N + 1, 3), M, N > 1
+    normals : (M, N, 3) unit normals; by default `face_normals`. Where a net folds over, normals
+        of one orientation are those of an unfolded parallel net
 
     Raises
     ------
+    InputError
+        Points or normals of another shape.
     DegenerateError
         A quad with parallel diagonals; names it.
 
     Source: maths.md 2.9 (a); Liu, Pottmann, Wallner, Yang, Wang 2006.
     """
-    n = _stars(face_normals(_net(points, 3)))
+    x = _net(points, 3)
+    faces = face_normals(x) if normals is None else np.asarray(normals, dtype=np.float64)
+    if faces.shape != (len(x) - 1, x.shape[1] - 1, 3):
+        raise InputError(f"normals of shape {faces.shape} for a net of shape {x.shape}")
+    n = _stars(faces)
     a, b, c = (n[:, :, k] - n[:, :, 0] for k in (1, 2, 3))
     return np.asarray(np.einsum("ijk,ijk->ij", a, np.cross(b, c)))
 

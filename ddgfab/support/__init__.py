@@ -8,6 +8,7 @@ from ddgfab.support.even import even_lean
 from ddgfab.support.exact import cone_axes, reflected_axes
 from ddgfab.support.optimize import OptimizeOptions, optimize
 from ddgfab.support.parallel import parallel_axes, parallel_field
+from ddgfab.support.propagate import node_torsion, propagate_axes
 from ddgfab.support.structure import SupportStructure
 from ddgfab.support.triangles import best_centre, central
 
@@ -20,9 +21,11 @@ __all__ = [
     "cone_axes",
     "edge_bend",
     "even_lean",
+    "node_torsion",
     "optimize",
     "parallel_axes",
     "parallel_field",
+    "propagate_axes",
     "reflected_axes",
     "support_structure",
 ]

@@ -61,12 +61,20 @@ def cone_field(mesh: Mesh) -> Floats:
     all faces f of an interior vertex (face offset). Boundary vertices touch too few faces: there
     d is the nearest to the normals among the parallel meshes that continue the interior.
     """
-    offset = np.zeros_like(mesh.vertices)
+    weights = np.where(mesh.boundary_vertex, BOUNDARY_WEIGHT, 1.0)
+    field = parallel_field(mesh, _to_faces(mesh, np.zeros_like(mesh.vertices)), weights)
+    # The boundary's wishes cost the interior a little; what that is, it gets back.
+    return field + parallel_field(mesh, _to_faces(mesh, field), weights)
+
+
+def _to_faces(mesh: Mesh, field: Floats) -> Floats:
+    """(V, 3) least change of a field after which <d_v, N_f> = 1 at all faces f of every vertex."""
+    change = np.zeros_like(mesh.vertices)
     for valence in np.unique(mesh.valences[mesh.valences > 0]).tolist():
         ids = np.flatnonzero(mesh.valences == valence)
         faces = mesh.star_faces[mesh.star_start[ids, None] + np.arange(valence)]
         normals = np.where(faces[..., None] >= 0, mesh.face_normals[faces], 0.0)
-        ones = (faces >= 0).astype(np.float64)
-        offset[ids] = np.einsum("vxk,vk->vx", np.linalg.pinv(normals, rcond=FLAT_STAR), ones)
-    weights = np.where(mesh.boundary_vertex, BOUNDARY_WEIGHT, 1.0)
-    return parallel_field(mesh, offset, weights)
+        missing = np.where(faces >= 0, 1.0 - np.einsum("vkx,vx->vk", normals, field[ids]), 0.0)
+        inverse = np.linalg.pinv(normals, rcond=FLAT_STAR)
+        change[ids] = np.einsum("vxk,vk->vx", inverse, missing)
+    return change

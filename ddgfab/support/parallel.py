@@ -20,6 +20,9 @@ PENALTY = 1e7
 MULTIPLIER_STEPS = 6
 """Steps of the method of multipliers; each gains the digits that the penalty gives."""
 
+PASSES = 2
+"""The second projects what the first left over, which removes the rounding of the first."""
+
 
 def edge_conditions(mesh: Mesh) -> csr_array:
     """(2E, 3V) matrix of (d_i - d_j) x e = 0: two unit directions across each edge."""
@@ -56,13 +59,16 @@ def parallel_field(mesh: Mesh, target: Floats, weights: Floats | None = None) ->
         options={"SymmetricMode": True},
         diag_pivot_thresh=0.0,  # positive definite
     )
-    force = np.zeros(matrix.shape[0])
-    pull = weight * target.ravel()
-    field = factor.solve(pull)
-    for _ in range(MULTIPLIER_STEPS):
-        force += PENALTY * (matrix @ field)
-        field = factor.solve(pull - matrix.T @ force)
-    return np.asarray(field).reshape(-1, 3)
+    field = np.zeros(matrix.shape[1])
+    for _ in range(PASSES):
+        force = np.zeros(matrix.shape[0])
+        pull = weight * (target.ravel() - field)
+        step = factor.solve(pull)
+        for _ in range(MULTIPLIER_STEPS):
+            force += PENALTY * (matrix @ step)
+            step = factor.solve(pull - matrix.T @ force)
+        field += step
+    return field.reshape(-1, 3)
 
 
 def parallel_axes(mesh: Mesh) -> Floats:

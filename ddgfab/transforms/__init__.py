@@ -2,6 +2,20 @@
 
 from __future__ import annotations
 
-from ddgfab.transforms.moebius import invert, invert_normals
+from ddgfab.transforms.moebius import Moebius, invert, invert_normals
+from ddgfab.transforms.parallel import (
+    combescure,
+    nearest_parallel,
+    parallel_dimension,
+    parallel_space,
+)
 
-__all__ = ["invert", "invert_normals"]
+__all__ = [
+    "Moebius",
+    "combescure",
+    "invert",
+    "invert_normals",
+    "nearest_parallel",
+    "parallel_dimension",
+    "parallel_space",
+]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.errors import DegenerateError
+from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.tolerances import RELATIVE_DEGENERATE
+from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
 
 
 def invert(points: ArrayLike, centre: ArrayLike, radius: float) -> Floats:
@@ -39,3 +41,138 @@ def invert_normals(points: ArrayLike, normals: ArrayLike, centre: ArrayLike) -> 
     n = np.asarray(normals, dtype=np.float64)
     along = np.sum(n * away, axis=-1, keepdims=True) / np.sum(away * away, axis=-1, keepdims=True)
     return np.asarray(n - 2.0 * along * away)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Moebius:
+    """A Moebius transformation of space: x -> A x + b, or x -> A J(x - p) + b, J(y) = y / |y|^2.
+
+    Make one with `similarity`, `inversion` or `reflection`, and compose with `@`: (f @ g)(x) is
+    f(g(x)). Circles and spheres (lines and planes among them) go to such, angles are kept, real
+    parts of cross-ratios too, and so circular nets go to circular nets; planar faces in general
+    are not kept.
+
+    Attributes
+    ----------
+    matrix : (3, 3) A, an orthogonal matrix times a positive factor
+    shift : (3,) b
+    pole : (3,) p, the point that goes to infinity, or None where that stays
+
+    Source: Bobenko, Suris, Discrete Differential Geometry, 3.1 and appendix; Liouville 1850.
+    """
+
+    matrix: Floats
+    shift: Floats
+    pole: Floats | None = None
+
+    @staticmethod
+    def similarity(
+        rotation: ArrayLike | None = None, scale: float = 1.0, shift: ArrayLike = (0.0, 0.0, 0.0)
+    ) -> Moebius:
+        """x -> scale R x + shift, with R orthogonal (the identity by default).
+
+        Raises
+        ------
+        InputError
+            A matrix that is not orthogonal, or a scale that is not positive.
+        """
+        turn = np.eye(3) if rotation is None else np.array(rotation, dtype=np.float64)
+        off = np.inf if turn.shape != (3, 3) else float(np.abs(turn @ turn.T - np.eye(3)).max())
+        if not off <= UNIT_NORMAL:
+            raise InputError(f"the rotation is off an orthogonal 3 x 3 matrix by {off:.1e}")
+        if not 0 < scale < np.inf:
+            raise InputError(f"scale {scale}: a positive number is needed")
+        return Moebius(scale * turn, np.array(shift, dtype=np.float64))
+
+    @staticmethod
+    def inversion(centre: ArrayLike, radius: float) -> Moebius:
+        """Inversion in a sphere (see `invert`).
+
+        Raises
+        ------
+        InputError
+            A radius that is not positive.
+        """
+        if not 0 < radius < np.inf:
+            raise InputError(f"radius {radius}: a positive number is needed")
+        c = np.array(centre, dtype=np.float64)
+        return Moebius(radius**2 * np.eye(3), c, c)
+
+    @staticmethod
+    def reflection(point: ArrayLike, normal: ArrayLike) -> Moebius:
+        """Reflection in the plane through a point across a normal of any length.
+
+        Raises
+        ------
+        InputError
+            A normal of length zero.
+        """
+        n = np.array(normal, dtype=np.float64)
+        square = float(n @ n)
+        if not 0 < square < np.inf:
+            raise InputError("the normal of a plane needs a length")
+        mirror = np.eye(3) - 2.0 * np.outer(n, n) / square
+        on = np.asarray(point, dtype=np.float64)
+        return Moebius(mirror, on - mirror @ on)
+
+    @property
+    def square(self) -> float:
+        """The squared factor a^2 of A = a R."""
+        return float(np.sum(self.matrix**2)) / 3.0
+
+    def __call__(self, points: ArrayLike) -> Floats:
+        """(..., 3) images of points.
+
+        Raises
+        ------
+        DegenerateError
+            A point in the pole; names its index.
+        """
+        x = np.asarray(points, dtype=np.float64)
+        if self.pole is not None:
+            x = invert(x, self.pole, 1.0) - self.pole
+        return np.asarray(x @ self.matrix.T + self.shift)
+
+    def normals(self, points: ArrayLike, normals: ArrayLike) -> Floats:
+        """(..., 3) unit normals at the images of points, carried along with the surface."""
+        n = np.asarray(normals, dtype=np.float64)
+        if self.pole is not None:
+            n = invert_normals(points, n, self.pole)
+        return np.asarray(n @ self.matrix.T / np.sqrt(self.square))
+
+    def inverse(self) -> Moebius:
+        """The transformation back."""
+        if self.pole is None:
+            back = self.matrix.T / self.square
+            return Moebius(back, -back @ self.shift)
+        return Moebius(self.matrix.T, self.pole, self.shift)
+
+    def __matmul__(self, first: Moebius) -> Moebius:
+        """The composition x -> self(first(x))."""
+        if self.pole is None:
+            shift = self.matrix @ first.shift + self.shift
+            return Moebius(self.matrix @ first.matrix, shift, first.pole)
+        away = first.shift - self.pole
+        if first.pole is None:
+            # J(A x + e) = A / a^2 J(x + A^-1 e), as J(A y) = A / a^2 J(y).
+            pole = -first.matrix.T @ away / first.square
+            return Moebius(self.matrix @ first.matrix / first.square, self.shift, pole)
+        size = float(away @ away)
+        if size <= (RELATIVE_DEGENERATE**2) * max(first.square, float(self.pole @ self.pole)):
+            # The pole of one is where infinity went: J(A J(y)) = A y / a^2.
+            matrix = self.matrix @ first.matrix / first.square
+            return Moebius(matrix, self.shift - matrix @ first.pole)
+        # J(J(w) + e) = J(e) + H J(w + J(e)) / |e|^2 with H the reflection across e.
+        over = away / size
+        mirror = np.eye(3) - 2.0 * np.outer(away, over)
+        return Moebius(
+            self.matrix @ mirror @ first.matrix / size,
+            self.matrix @ over + self.shift,
+            first.pole - first.matrix.T @ over,
+        )
+
+    def __repr__(self) -> str:
+        factor = np.sqrt(self.square)
+        if self.pole is None:
+            return f"Moebius(similarity, scale {factor:.6g})"
+        return f"Moebius(pole {self.pole.tolist()}, power {factor:.6g})"

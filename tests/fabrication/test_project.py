@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from ddgfab.errors import ProjectError
+from ddgfab.nets.registry import find_generator, kinds
+from fabrication.designs import load_net
 from fabrication.project import Project, load_project, make_project, project_for_mesh
 
 NET = '[net]\nkind = "mesh"\nfile = "roof.obj"\n'
@@ -80,6 +82,15 @@ def test_canopy_parameters_stand_in_net(tmp_path: Path) -> None:
         load(tmp_path, '[net]\nkind = "canopy"\npanels_alon = 12\n')
 
 
+def test_every_kind_of_net_takes_its_parameters(tmp_path: Path) -> None:
+    for kind in kinds():
+        parameter = find_generator(kind).parameters[0]
+        text = f'[net]\nkind = "{kind}"\n{parameter.name} = 9\n'
+        assert load(tmp_path, text).net.parameters == {parameter.name: 9}
+    conical = make_project({"net": {"kind": "conical", "panels_along": 5, "panels_across": 3}})
+    assert load_net(conical).mesh.n_faces == 15
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -104,7 +115,11 @@ def test_canopy_parameters_stand_in_net(tmp_path: Path) -> None:
         ('[project]\nname = "a"\n', ["needs [net]"]),
         ('[net]\nkind = "mesh"\n', [":1:", "needs file"]),
         ('[net]\nkind = "canopy"\nfile = "a.obj"\n', ["file is for"]),
-        ('[net]\nkind = "conicl"\nfile = "a.obj"\n', [":2:", "conicl"]),
+        ('[net]\nkind = "conicl"\nfile = "a.obj"\n', [":2:", "conicl", 'did you mean "conical"']),
+        ('[net]\nkind = "zzz"\n', [":2:", "known: mesh, canal"]),
+        ('[net]\nkind = "canal"\nturn_deg = 900\n', [":3:", "turn_deg = 900", "-180 to 180"]),
+        ('[net]\nkind = "canal"\nturn_deg = "a"\n', [":3:", "turn_deg = 'a' must be a number"]),
+        ('[net]\nkind = "canal"\npanels = 3\n', [":3:", "panels is unknown", "panels_a"]),
         (NET + "parameters = {a = 1}\n", ["parameters is unknown"]),
         ("beam = 3\n" + NET, [":1:", "must be a section"]),
         (NET + "x = \n", [":4:", "not TOML"]),

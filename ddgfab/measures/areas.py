@@ -1,0 +1,53 @@
+"""Oriented and mixed areas of the faces of parallel meshes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ddgfab.errors import MeshError
+from ddgfab.mesh import Floats, Mesh
+
+
+def oriented_areas(mesh: Mesh, vertices: ArrayLike | None = None) -> Floats:
+    """(F,) areas A(f) = 1/2 sum <n, v_i x v_(i+1)> in the planes with the mesh's face normals.
+
+    Negative where the face of the other vertices runs the other way round.
+
+    Parameters
+    ----------
+    vertices : (V, 3) of a parallel mesh; the mesh's own by default
+
+    Raises
+    ------
+    MeshError
+        Vertices of the wrong shape.
+
+    Source: maths.md 8.1; Bobenko, Pottmann, Wallner 2010.
+    """
+    other = mesh if vertices is None else mesh.with_vertices(vertices)
+    return np.asarray(np.einsum("fx,fx->f", mesh.face_normals, other.vector_areas))
+
+
+def mixed_areas(mesh: Mesh, first: ArrayLike, second: ArrayLike) -> Floats:
+    """(F,) mixed areas A(f, g) = (A(f + g) - A(f) - A(g)) / 2 of two meshes parallel to a mesh.
+
+    Symmetric and bilinear, with A(f, f) = A(f), so A(f + t g) = A(f) + 2 t A(f, g) + t^2 A(g)
+    (Steiner).
+
+    Parameters
+    ----------
+    first, second : (V, 3) vertices of meshes parallel to `mesh`, whose normals orient the planes
+
+    Raises
+    ------
+    MeshError
+        Vertices of the wrong shape.
+
+    Source: maths.md 8.1.
+    """
+    a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    if a.shape != b.shape:
+        raise MeshError(f"vertices have shapes {a.shape} and {b.shape}; equal ones are needed")
+    both = oriented_areas(mesh, a + b)
+    return 0.5 * (both - oriented_areas(mesh, a) - oriented_areas(mesh, b))
