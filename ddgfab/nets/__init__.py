@@ -31,7 +31,7 @@ from ddgfab.nets.conjugate import (
     conjugate_residuals,
     evolve_conjugate,
     planarity,
-    planarity_fitted,
+    planarity_flagged,
     quad_volume_density,
     quad_volumes,
 )
@@ -94,7 +94,7 @@ __all__ = [
     "phi",
     "phi_inverse",
     "planarity",
-    "planarity_fitted",
+    "planarity_flagged",
     "profile_polyline",
     "quad_volume_density",
     "quad_volumes",

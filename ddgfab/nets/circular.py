@@ -155,8 +155,8 @@ def fourth_by_t(
     Raises
     ------
     DegenerateError
-        Corners on a line, t = 0 or 1 (the fourth point falls on x1 or x2), a fourth point at
-        infinity, and with `convex` t outside 0..1; names the index.
+        Corners on a line, t = 0 or 1 (the fourth point falls on x1 or x2), and with `convex`
+        t outside 0..1; names the index.
 
     Source: maths.md 2.3 (i).
     """
@@ -175,9 +175,7 @@ def _t_rule(
     place.refuse(np.abs(t) <= RELATIVE_DEGENERATE, "t = 0 puts the fourth point on x_1", t)
     place.refuse(np.abs(1 - t) <= RELATIVE_DEGENERATE, "t = 1 puts the fourth point on x_2", 1 - t)
     first, second = (1 - t) * a / dot(a, a), t * b / dot(b, b)
-    image = first + second
-    small = norm(image) / (norm(first) + norm(second))
-    place.refuse(small <= RELATIVE_DEGENERATE, "the fourth point is at infinity", small)
+    image = first + second  # not zero: a and b are not parallel
     return np.asarray(x + image / dot(image, image))
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
@@ -36,7 +36,7 @@ def planarity(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     Raises
     ------
     DegenerateError
-        Parallel diagonals, as of a folded quad; names the quad. See `planarity_fitted`.
+        Parallel diagonals, as of a folded quad; names the quad. See `planarity_flagged`.
     """
     return measure(points, axes, _planarity)
 
@@ -52,21 +52,20 @@ def _planarity(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -> 
     return np.asarray(norm(away - dot(away, frame.w) * frame.w) / mean)
 
 
-def planarity_fitted(points: ArrayLike) -> tuple[Floats, np.typing.NDArray[np.bool_]]:
-    """As `planarity` without sign, and by a fitted plane where diagonals are parallel.
+def planarity_flagged(points: ArrayLike) -> tuple[Floats, NDArray[np.bool_]]:
+    """As `planarity` without sign, and 0 with a flag where diagonals are parallel.
 
-    There it is twice the greatest distance from the plane of least squares, which agrees with the
-    distance of the diagonals for quads that have one.
+    Lines that are parallel lie in one plane: no plane need be fitted to such quads.
 
     Returns
     -------
     values : (M, N) not negative
-    fitted : (M, N) True where the plane was fitted
+    parallel : (M, N) True where the diagonals are parallel, or one has no length
 
     Raises
     ------
     DegenerateError
-        A quad whose four corners are one point; names the quad.
+        A quad whose diagonals have both no length; names the quad.
 
     Source: maths.md 1.3.
     """
@@ -78,25 +77,13 @@ def planarity_fitted(points: ArrayLike) -> tuple[Floats, np.typing.NDArray[np.bo
         along = np.divide(dot(first, second), square, out=np.zeros_like(square), where=square > 0)
         across = norm(second - along * first)
         flag = (square == 0) | (across <= RELATIVE_DEGENERATE * np.sqrt(other))
-        values = np.empty(flag.shape)
+        values = np.zeros(flag.shape)
         a, b, c, d = (np.asarray(p[:, ~flag]) for p in (x, x1, x2, x12))
         values[~flag] = np.abs(_planarity(a, b, c, d, place))
-        a, b, c, d = (np.asarray(p[:, flag]) for p in (x, x1, x2, x12))
-        values[flag] = _off_plane(a, b, c, d)
         return np.stack([values, flag.astype(np.float64)])
 
     both = measure(points, (0, 1), kernel)
     return both[..., 0], both[..., 1] > 0
-
-
-def _off_plane(x: Floats, x1: Floats, x2: Floats, x12: Floats) -> Floats:
-    """Twice the greatest distance from the plane of least squares, by the mean diagonal."""
-    corners = np.moveaxis(np.stack([x, x1, x12, x2]), (0, 1), (-2, -1))
-    centred = corners - corners.mean(axis=-2, keepdims=True)
-    plane = np.linalg.svd(centred, full_matrices=False)[2][..., :2, :]
-    rest = centred - np.einsum("...ij,...kj,...kl->...il", centred, plane, plane)
-    mean = 0.5 * (norm(x12 - x) + norm(x2 - x1))
-    return np.asarray(2.0 * np.linalg.norm(rest, axis=-1).max(axis=-1) / mean)
 
 
 def conjugate_residuals(points: ArrayLike) -> dict[str, float]:

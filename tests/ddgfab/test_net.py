@@ -169,6 +169,14 @@ def test_meshes_that_are_no_grids_are_refused() -> None:
     cube = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
     with pytest.raises(MeshError, match="no grid"):
         Net.from_mesh(Mesh.build(points(8), cube))
+    with pytest.raises(MeshError, match=r"face \d+ ends before the others"):
+        Net.from_mesh(faces_without(mesh, 14, 15))
+    # A slit from the boundary inwards: the faces are in rows, but not all glued across.
+    slit = [np.array(f) for f in mesh.faces]
+    for k in (9, 13):  # cells (2, 1), (3, 1) get points (3, 1), (4, 1) of their own
+        slit[k] = np.where(slit[k] == 16, 25, np.where(slit[k] == 21, 26, slit[k]))
+    with pytest.raises(MeshError, match=r"no grid: face .* out of line"):
+        Net.from_mesh(Mesh.build(points(27), slit))
     # Two grids apart.
     both = [*mesh.faces, *(f + 25 for f in mesh.faces)]
     with pytest.raises(MeshError, match="no grid: face"):

@@ -195,6 +195,10 @@ def test_evolution_by_angles_makes_circles_and_gives_the_angles_back(dim: int) -
     assert max(ci.circular_residuals(x).values()) < 1e-12
     assert np.abs(ci.interior_angles(x) - angles).max() < 1e-11
     assert ci.angle_sum_defect(x).max() < 1e-11
+    # Corners (0, 0), (1, 0), (2, 2), (0, 1): the angles at the first and the third add up to
+    # 90 deg + acos(4 / 5), short of 180 deg by 90 deg - acos(4 / 5) = atan(4 / 3).
+    kite = [[[0.0, 0], [0, 1]], [[1, 0], [2, 2]]]
+    assert ci.angle_sum_defect(kite)[0, 0] == pytest.approx(np.arctan2(4, 3), abs=1e-15)
 
 
 def test_evolution_by_cross_ratio_makes_circles_with_them() -> None:

@@ -65,22 +65,25 @@ def test_planarity_of_translation_surfaces_and_its_order_on_a_graph() -> None:
     assert np.log2(errors[:-1] / errors[1:]) == pytest.approx([2, 2], abs=0.2)
 
 
-def test_planarity_refuses_parallel_diagonals_and_the_fitted_one_flags_them() -> None:
+def test_planarity_refuses_parallel_diagonals_and_the_other_flags_them() -> None:
     x = skew_net()
     x[3, 3] = x[2, 2] + 1.5 * (x[2, 3] - x[3, 2])
     with pytest.raises(DegenerateError, match=r"quad \(2, 2\).*diagonals are parallel") as caught:
         cn.planarity(x)
     assert caught.value.cell == (2, 2)
-    values, fitted = cn.planarity_fitted(x)
+    values, fitted = cn.planarity_flagged(x)
     assert fitted[2, 2]
     assert fitted.sum() == 1
-    # Parallel diagonals make a quad planar.
-    assert values[2, 2] < 1e-14
-    clean, none = cn.planarity_fitted(skew_net())
+    # Parallel diagonals make a quad planar: its corners have no volume.
+    assert values[2, 2] == 0.0
+    assert cn.quad_volumes(x)[2, 2] < 1e-15
+    rest = ~fitted
+    assert (values[rest] > 0).all()
+    clean, none = cn.planarity_flagged(skew_net())
     assert not none.any()
     assert np.allclose(clean, np.abs(cn.planarity(skew_net())), atol=1e-15)
     with pytest.raises(DegenerateError, match="both diagonals"):
-        cn.planarity_fitted(np.zeros((2, 2, 3)))
+        cn.planarity_flagged(np.zeros((2, 2, 3)))
 
 
 def test_quad_volume_density() -> None:
@@ -158,6 +161,14 @@ def test_thin_nets(shape: tuple[int, int]) -> None:
     c = np.random.default_rng(0).uniform(-0.2, 0.2, size=(2, *shape))
     x = cn.evolve_conjugate(first, second, c[0], c[1])
     assert np.allclose(cn.coefficients(x), c, atol=1e-13)
+
+
+def test_quads_beyond_the_first_block_are_named_by_their_own_indices() -> None:
+    grid = np.stack(np.meshgrid(np.arange(200.0), np.arange(150.0), [0.0], indexing="ij"), -1)
+    x = grid[:, :, 0]
+    x[181, 31] = x[180, 30] + [-1.0, 1.0, 0.0]
+    with pytest.raises(DegenerateError, match=r"quad \(180, 30\)"):
+        cn.planarity(x)
 
 
 def test_bad_input_is_named() -> None:

@@ -37,7 +37,7 @@ def pick(rng: np.random.Generator, *values: float, shape: tuple[int, ...] = (3, 
 
 TASKS: dict[str, Callable[[np.random.Generator], Values]] = {
     "planarity": lambda g: conjugate.planarity(lattice_points(g, 3, 3)),
-    "planarity_fitted": lambda g: conjugate.planarity_fitted(
+    "planarity_flagged": lambda g: conjugate.planarity_flagged(
         lattice_points(g, 3, 3) * g.integers(0, 2)
     ),
     "coefficients": lambda g: conjugate.coefficients(lattice_points(g, 3, 2)),
