@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, unit
-from ddgfab.nets.cells import Place, cross, edge_frame, measure, net_points
+from ddgfab.nets.cells import Place, cross, edge_frame, finite, measure, net_points
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
@@ -71,6 +71,13 @@ def axis_intersections(
         are parallel, the unit direction in which they meet at infinity
     infinite : (..., K - 1) True where the axes are parallel
 
+    Raises
+    ------
+    InputError
+        Shapes other than these, entries that are not finite.
+    DegenerateError
+        A direction that is zero; names its index.
+
     Source: maths.md 2.5.
     """
     c, n = np.asarray(centres, dtype=np.float64), np.asarray(directions, dtype=np.float64)
@@ -78,17 +85,28 @@ def axis_intersections(
         raise InputError(
             f"axes of strips have shape (..., K, 3), K > 1; not {c.shape} and {n.shape}"
         )
-    n = unit(n)
-    first, second = n[..., :-1, :], n[..., 1:, :]
+    finite(c, "centres")
+    finite(n, "directions")
+    Place(name="axis").refuse(~n.any(axis=-1), "its direction is zero")
+    points = np.empty((*c.shape[:-2], c.shape[-2] - 1, 3))
+    infinite = np.empty(points.shape[:-1], dtype=bool)
+    # Strip by strip: temporaries as large as the net would be several times its memory.
+    for at in np.ndindex(c.shape[:-2]):
+        points[at], infinite[at] = _strip_intersections(c[at], unit(n[at]))
+    return points, infinite
+
+
+def _strip_intersections(c: Floats, n: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    first, second = n[:-1], n[1:]
     normal = np.cross(first, second)
-    square = np.sum(normal * normal, axis=-1)
+    square = np.sum(normal * normal, axis=1)
     infinite = square <= RELATIVE_DEGENERATE**2
     square = np.where(infinite, 1.0, square)
-    step = c[..., 1:, :] - c[..., :-1, :]
-    along = np.sum(np.cross(step, second) * normal, axis=-1) / square
-    back = np.sum(np.cross(step, first) * normal, axis=-1) / square
-    ends = c[..., :-1, :] + along[..., None] * first, c[..., 1:, :] + back[..., None] * second
-    return np.where(infinite[..., None], first, 0.5 * (ends[0] + ends[1])), infinite
+    step = c[1:] - c[:-1]
+    along = np.sum(np.cross(step, second) * normal, axis=1) / square
+    back = np.sum(np.cross(step, first) * normal, axis=1) / square
+    meet = 0.5 * (c[:-1] + along[:, None] * first + c[1:] + back[:, None] * second)
+    return np.where(infinite[:, None], first, meet), infinite
 
 
 def vertex_normals(points: ArrayLike, first: ArrayLike) -> Floats:

@@ -83,6 +83,8 @@ def test_parallel_axes_meet_at_infinity() -> None:
     points, infinite = axis_intersections(*(a[:, 0] for a in circle_axes(x)))
     assert infinite.all()
     assert np.array_equal(points, np.tile([0.0, 0, 1], (2, 1)))
+    with pytest.raises(DegenerateError, match=r"axis \(1,\): its direction is zero"):
+        axis_intersections(np.eye(3), np.diag([1.0, 0.0, 1.0]))
     with pytest.raises(InputError, match="K > 1"):
         axis_intersections(np.zeros((1, 3)), np.ones((1, 3)))
 
