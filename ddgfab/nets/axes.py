@@ -87,7 +87,7 @@ def axis_intersections(
         )
     finite(c, "centres")
     finite(n, "directions")
-    Place(name="axis").refuse(~n.any(axis=-1), "its direction is zero")
+    Place(name="axis").refuse(np.asarray(~n.any(axis=-1)), "its direction is zero")
     points = np.empty((*c.shape[:-2], c.shape[-2] - 1, 3))
     infinite = np.empty(points.shape[:-1], dtype=bool)
     # Strip by strip: temporaries as large as the net would be several times its memory.
