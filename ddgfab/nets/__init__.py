@@ -12,6 +12,7 @@ from ddgfab.nets.axes import (
     normals_closure,
     vertex_normals,
 )
+from ddgfab.nets.canal import canal_circles, canal_net
 from ddgfab.nets.canopy import canopy
 from ddgfab.nets.circular import (
     angle_sum_defect,
@@ -23,6 +24,17 @@ from ddgfab.nets.circular import (
     fourth_by_angle,
     fourth_by_t,
     interior_angles,
+)
+from ddgfab.nets.conical import (
+    angle_balance,
+    best_normal,
+    circular_to_conical,
+    cone_axes,
+    cone_offsets,
+    conical_determinant,
+    conical_residuals,
+    conical_to_circular,
+    face_normals,
 )
 from ddgfab.nets.conjugate import (
     coefficients,
@@ -55,19 +67,33 @@ from ddgfab.nets.miquel import (
     sphere_defect,
 )
 from ddgfab.nets.monge import monge, profile_polyline
+from ddgfab.nets.moulding import moulding_net
+from ddgfab.nets.registry import generate, kinds
+from ddgfab.nets.rotational import rotational_net
+from ddgfab.nets.translation import translation_net
 
 __all__ = [
+    "angle_balance",
     "angle_sum_defect",
     "axis_coplanarity",
     "axis_intersections",
+    "best_normal",
+    "canal_circles",
+    "canal_net",
     "canopy",
     "circle_axes",
     "circular_residuals",
+    "circular_to_conical",
     "circularity",
     "circumcircle",
     "coefficients",
     "common_transform",
     "complex_cross_ratio",
+    "cone_axes",
+    "cone_offsets",
+    "conical_determinant",
+    "conical_residuals",
+    "conical_to_circular",
     "conj_coeffs",
     "conj_residual",
     "conjugate_residuals",
@@ -83,13 +109,17 @@ __all__ = [
     "evolve_circular_by_angles",
     "evolve_conjugate",
     "evolve_nd",
+    "face_normals",
     "fourth_by_angle",
     "fourth_by_t",
+    "generate",
     "grid_mesh",
     "interior_angles",
+    "kinds",
     "lattice",
     "miquel_point",
     "monge",
+    "moulding_net",
     "normals_closure",
     "phi",
     "phi_inverse",
@@ -98,9 +128,11 @@ __all__ = [
     "profile_polyline",
     "quad_volume_density",
     "quad_volumes",
+    "rotational_net",
     "sample",
     "seen_from_opposite",
     "sphere_defect",
     "stack_transforms",
+    "translation_net",
     "vertex_normals",
 ]

@@ -15,7 +15,7 @@ from ddgfab.mesh import Floats, Mesh
 from ddgfab.nets.generators import About, generator
 from ddgfab.nets.grid import grid_mesh
 from ddgfab.nets.monge import level_start, monge, profile_polyline
-from ddgfab.nets.placing import grounded
+from ddgfab.nets.placing import checked_forward, grounded
 from ddgfab.transforms.moebius import invert
 
 
@@ -54,6 +54,8 @@ def canopy(
     ------
     ParameterError
         A parameter of the wrong type or beyond its limits.
+    DegenerateError
+        A bend so sharp that a panel folds over; names it.
 
     Source: monge surfaces by reflection and vertex normals, maths.md 2.7; Moebius invariance of
     circular nets, Bobenko and Suris, Discrete Differential Geometry, 3.1.
@@ -67,7 +69,7 @@ def canopy(
         turn=turn,
         flare=flare,
     )
-    return grid_mesh(grounded(net))
+    return grid_mesh(grounded(checked_forward(net)))
 
 
 def canopy_net(

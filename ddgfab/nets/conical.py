@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, unit
 from ddgfab.nets.axes import circle_axes, vertex_normals
+from ddgfab.nets.conjugate import planarity
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
@@ -111,6 +112,21 @@ def angle_balance(points: ArrayLike) -> Floats:
         angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), np.einsum("ijk,ijk->ij", a, b))
         total += angle if k % 2 == 0 else -angle
     return total
+
+
+def conical_residuals(points: ArrayLike) -> dict[str, float]:
+    """How far a net is from conical: greatest planarity and greatest determinant of normals.
+
+    "planarity": distance of the diagonals over their mean length; "normals":
+    `conical_determinant`. Both without unit, zero for a conical net.
+
+    Source: maths.md 0, 1.3, 2.9.
+    """
+    x = _net(points, 3)
+    return {
+        "planarity": float(np.abs(planarity(x)).max()),
+        "normals": float(np.abs(conical_determinant(x)).max()),
+    }
 
 
 def cone_offsets(points: ArrayLike) -> Floats:

@@ -38,7 +38,7 @@ def cyclide_roof(
         A parameter of the wrong type or beyond its limits.
     DegenerateError
         No turn at all (the torus becomes a cylinder), or a turn so sharp that the tube reaches
-        the axis of the torus; names the point or panel.
+        the axis of the torus; names the radii or the panel.
 
     Source: Dupin cyclides are the images of tori under inversions; maths.md 2.6, 2.7.
     """
@@ -46,6 +46,13 @@ def cyclide_roof(
     if turn == 0.0:
         raise DegenerateError("turn_deg = 0 makes the torus a cylinder; take 0.01 or more")
     ring = length_mm / abs(turn)
+    inside = ring - radius_mm * np.sin(min(0.5 * np.radians(arch_deg), 0.5 * np.pi))
+    if inside <= 0.0:
+        raise DegenerateError(
+            f"the ridge turns with a radius of {ring:.6g} mm, and the arch reaches "
+            f"{ring - inside:.6g} mm to its inside: beyond the axis of the turn\n"
+            "take less turn_deg or arch_deg, a smaller radius_mm or more length_mm"
+        )
     # The arch runs from the outside inwards, so that normals point up.
     angle = np.radians(np.linspace(90.0 - 0.5 * arch_deg, 90.0 + 0.5 * arch_deg, panels_across + 1))
     meridian = np.stack([ring + radius_mm * np.cos(angle), radius_mm * np.sin(angle)], axis=1)

@@ -66,12 +66,13 @@ def checked_forward(net: Floats) -> Floats:
         along = np.einsum("ijk,ijk->ij", first, second)
         bad = np.argwhere(along <= FOLDED * lengths)
         if len(bad):
-            i, j = bad[0]
-            cosine = along[i, j] / lengths[i, j] if lengths[i, j] > 0 else 0.0
+            cell = int(bad[0, 0]), int(bad[0, 1])
+            cosine = along[cell] / lengths[cell] if lengths[cell] > 0 else 0.0
             raise DegenerateError(
-                f"panel ({i}, {j}) folds over: its two sides in direction {axis} run apart "
+                f"panel {cell} folds over: its two sides in direction {axis} run apart "
                 f"(cosine {cosine:.3f}, limit {FOLDED:g})\n"
-                "make bends wider or the section narrower"
+                "make bends wider or the section narrower",
+                cell=cell,
             )
     return net
 

@@ -46,11 +46,12 @@ def translation_net(first: ArrayLike, second: ArrayLike) -> Floats:
     sides = np.linalg.norm(e, axis=-1) * np.linalg.norm(f, axis=-1)
     flat = np.argwhere(area <= RELATIVE_DEGENERATE * sides)
     if len(flat):
-        i, j = flat[0]
-        sine = area[i, j] / sides[i, j] if sides[i, j] > 0 else 0.0
+        cell = int(flat[0, 0]), int(flat[0, 1])
+        sine = area[cell] / sides[cell] if sides[cell] > 0 else 0.0
         raise DegenerateError(
-            f"quad ({i}, {j}): the edges of the two curves are parallel (sine {sine:.1e}, "
-            f"limit {RELATIVE_DEGENERATE:g})"
+            f"quad {cell}: the edges of the two curves are parallel (sine {sine:.1e}, "
+            f"limit {RELATIVE_DEGENERATE:g})",
+            cell=cell,
         )
     return np.asarray(p[:, None] + (q - q[0])[None])
 

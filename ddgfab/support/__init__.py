@@ -10,7 +10,7 @@ from ddgfab.support.optimize import OptimizeOptions, optimize
 from ddgfab.support.parallel import parallel_axes, parallel_field
 from ddgfab.support.propagate import node_torsion, propagate_axes
 from ddgfab.support.structure import SupportStructure
-from ddgfab.support.triangles import best_centre, central
+from ddgfab.support.triangles import best_centre, central, incircle_axes
 
 __all__ = [
     "OptimizeOptions",
@@ -21,6 +21,7 @@ __all__ = [
     "cone_axes",
     "edge_bend",
     "even_lean",
+    "incircle_axes",
     "node_torsion",
     "optimize",
     "parallel_axes",

@@ -71,3 +71,28 @@ def refuse_triangles(mesh: Mesh) -> SupportError:
         f"(mean {angles.mean():.2f} deg)\n"
         'take the central structure with [support] kind = "central", or use a quad mesh'
     )
+
+
+def incircle_axes(mesh: Mesh) -> tuple[Floats, Floats]:
+    """Centres (F, 3) and unit axes (F, 3) of the incircles of a triangle mesh.
+
+    On a CP mesh, where the incircles of neighbours touch, axes of neighbours lie in one plane:
+    they are a torsion-free structure of the hexagonal dual mesh through the centres.
+
+    Raises
+    ------
+    SupportError
+        A face that is no triangle, or one without area; names it.
+
+    Source: Schiftner, Hoebinger, Wallner, Pottmann 2009; maths.md 10.6, 10.11.
+    """
+    other = np.flatnonzero(mesh.face_sizes != 3)
+    if len(other):
+        raise SupportError(f"face {other[0]} has {mesh.face_sizes[other[0]]} corners; 3 needed")
+    flat = np.flatnonzero(mesh.face_areas <= RELATIVE_DEGENERATE * mesh.diameter**2)
+    if len(flat):
+        raise SupportError(f"face {flat[0]} has no area ({mesh.face_areas[flat[0]]:.1e})")
+    corners = mesh.vertices[mesh.corners].reshape(-1, 3, 3)
+    opposite = np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, 1, axis=1), axis=2)
+    centres = np.einsum("fk,fkx->fx", opposite, corners) / opposite.sum(axis=1)[:, None]
+    return centres, mesh.face_normals

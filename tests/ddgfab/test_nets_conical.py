@@ -18,6 +18,7 @@ from ddgfab.nets.conical import (
     cone_axes,
     cone_offsets,
     conical_determinant,
+    conical_residuals,
     conical_to_circular,
     face_normals,
 )
@@ -47,6 +48,7 @@ def test_circular_to_conical(make: object) -> None:
     assert planarity(grid_mesh(k)).max() < 1e-12 * size
     assert np.abs(conical_determinant(k)).max() < 1e-13
     assert np.abs(angle_balance(k)).max() < 1e-9
+    assert max(conical_residuals(k).values()) < 1e-12
     assert conical_defect(grid_mesh(k)).max() < 1e-9
     # The cone's axis is the circle's axis, line for line.
     centre, axis = circle_axes(x)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from net_cases import concyclic_defect, planar_net, space_canal
@@ -220,6 +222,7 @@ def test_canals_that_cannot_be_are_refused_by_sphere() -> None:
         ("canal", {"panels_along": 0}, "panels_along = 0 is beyond its limits: 1 to 1000"),
         ("translation", {"panel_along_mm": 0}, "0.001 or more .length of every edge along"),
         ("circular", {"turn_deg": 0}, "turn_deg = 0 makes the torus a cylinder"),
+        ("circular", {"turn_deg": 290}, "beyond the axis of the turn"),
     ],
 )
 def test_mistakes_name_parameter_value_and_limits(
@@ -237,3 +240,30 @@ def test_whole_numbers_pass_for_numbers_and_functions_check_themselves() -> None
         translation_roof(domes=0)
     assert caught.value.parameter == "domes"
     assert planarity(grid_mesh(planar_net())).max() < 1e-9
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_any_parameters_give_an_exact_net_or_an_error(kind: str) -> None:
+    """Never a warning, never a coordinate that is not finite, whatever is within the limits."""
+    rng = np.random.default_rng(5)
+    entry = find_generator(kind)
+    made = 0
+    for _ in range(40):
+        values: dict[str, float] = {}
+        for p in entry.parameters:
+            low, high = max(p.low, -20000.0), min(p.high, 30000.0)
+            if p.type is int:
+                values[p.name] = int(rng.integers(p.low, min(high, 20) + 1))
+            else:
+                ends = [low, high, float(rng.uniform(low, high)), *([p.default] * 4)]
+                values[p.name] = float(rng.choice(ends))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                mesh = generate(kind, values)
+            except DegenerateError:
+                continue
+        assert np.isfinite(mesh.vertices).all()
+        assert planarity(mesh).max() < 1e-12 * mesh.diameter
+        made += 1
+    assert made > 3

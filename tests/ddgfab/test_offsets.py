@@ -18,7 +18,7 @@ from net_cases import (
 from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.measures import mixed_areas, oriented_areas, planarity
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets import circularity, grid_mesh
+from ddgfab.nets import circularity, conjugate_residuals, grid_mesh
 from ddgfab.nets.conical import circular_to_conical, conical_determinant
 from ddgfab.nets.registry import generate
 from ddgfab.nets.translation import translation_net
@@ -130,6 +130,16 @@ def test_combescure_gives_all_parallel_nets() -> None:
     )
     # And back.
     assert np.abs(combescure(y, 1 / a, 1 / b, x[0, 0]) - x).max() < 1e-9
+
+
+def test_a_net_and_its_parallel_net_are_layers_of_a_conjugate_net() -> None:
+    """maths.md 1.10: the quads between them are planar, trapezoids."""
+    x = planar_net(5, 4)
+    y = combescure(x, np.linspace(0.7, 1.2, 5), np.linspace(1.3, 0.9, 4), x[0, 0] + [5, 9, 300])
+    layers = np.stack([x, y], axis=2)
+    assert max(conjugate_residuals(layers).values()) < 1e-11
+    x[2, 2] += [0.0, 0.0, 30.0]
+    assert max(conjugate_residuals(np.stack([x, y], axis=2)).values()) > 1e-3
 
 
 def test_nearest_parallel_finds_a_parallel_net_again() -> None:

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from net_cases import circular_net, planar_net, skew_net
 
-from ddgfab.errors import DegenerateError, InputError
+from ddgfab.errors import DegenerateError, InputError, SupportError
 from ddgfab.measures import torsion
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.nets import grid_mesh, vertex_normals
-from ddgfab.nets.conical import best_normal
-from ddgfab.support import SupportStructure, node_torsion, propagate_axes
+from ddgfab.nets.axes import circle_axes
+from ddgfab.nets.conical import best_normal, circular_to_conical
+from ddgfab.support import SupportStructure, incircle_axes, node_torsion, propagate_axes
 from ddgfab.support.optimize import jacobian, tangent_frames
 
 
@@ -102,3 +103,71 @@ def test_node_torsion_gives_the_axes_back_and_sees_a_turned_plane() -> None:
     assert value[others].max() < 1e-12
     with pytest.raises(InputError, match="shape"):
         node_torsion(mesh, planes[1:])
+
+
+def test_twist_of_ten_degrees() -> None:
+    """maths.md 10.2: e = (1, 0, 0), axes (0, 0, 1) and (0, sin 10, cos 10) deg."""
+    mesh = Mesh.build([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    tilt = np.radians(10.0)
+    axes = np.tile([0.0, 0.0, 1.0], (4, 1))
+    axes[1] = (0.0, np.sin(tilt), np.cos(tilt))
+    edge = [tuple(e) for e in mesh.edges.tolist()].index((0, 1))
+    assert np.degrees(torsion(mesh, axes)[edge]) == pytest.approx(10.0, abs=1e-12)
+    assert np.degrees(torsion(mesh, -axes * [[3.0], [-2.0], [1.0], [1.0]])[edge]) == pytest.approx(
+        10
+    )
+
+
+def bipyramid(sides: int = 5) -> Mesh:
+    """All edges touch the unit sphere: equator 1 / cos(pi / n), apex R / sqrt(R^2 - 1)."""
+    radius = 1.0 / np.cos(np.pi / sides)
+    apex = radius / np.sqrt(radius**2 - 1.0)
+    angle = 2 * np.pi * np.arange(sides) / sides
+    ring = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0 * angle], axis=1)
+    points = np.concatenate([ring, [[0, 0, apex], [0, 0, -apex]]])
+    faces = [[k, (k + 1) % sides, sides] for k in range(sides)]
+    faces += [[(k + 1) % sides, k, sides + 1] for k in range(sides)]
+    return Mesh.build(points, faces)
+
+
+def incircle_defect(mesh: Mesh) -> float:
+    """Greatest det(c' - c, n, n') of neighbouring incircles, relative to the distance."""
+    centres, axes = incircle_axes(mesh)
+    left, right = mesh.edge_faces.T
+    step = unit(centres[right] - centres[left])
+    value = np.einsum("ex,ex->e", step, np.cross(axes[left], axes[right]))
+    return float(np.abs(value).max())
+
+
+def test_incircle_axes_of_a_cp_mesh_support_its_dual() -> None:
+    mesh = bipyramid()
+    # A projective map of the sphere keeps tangent edges: nothing symmetric is left.
+    speed = 0.4
+    x, y, z = mesh.vertices.T
+    factor = 1.0 / (1.0 + speed * x)
+    moved = np.stack([x + speed, y * np.sqrt(1 - speed**2), z * np.sqrt(1 - speed**2)], axis=1)
+    some = mesh.with_vertices(moved * factor[:, None])
+    along = unit(some.edge_vectors)
+    away = np.linalg.norm(np.cross(some.vertices[some.edges[:, 0]], along), axis=1)
+    assert np.abs(away - 1).max() < 1e-13
+    radius = np.sqrt(np.sum(some.vertices**2, axis=1) - 1)
+    assert np.abs(radius[some.edges].sum(axis=1) - some.edge_lengths).max() < 1e-13  # CP: 10.11
+    assert np.ptp(some.edge_lengths) > 0.1
+    centres = incircle_axes(some)[0]
+    sides = some.vertices[some.corners] - centres[some.corner_face]
+    on = np.linalg.norm(np.cross(sides, along[some.corner_edge]), axis=1).reshape(-1, 3)
+    assert np.ptp(on, axis=1).max() < 1e-13  # one radius a face
+    assert incircle_defect(some) < 1e-14
+    noise = np.random.default_rng(1).normal(size=mesh.vertices.shape)
+    assert incircle_defect(mesh.with_vertices(mesh.vertices + 0.1 * noise)) > 1e-3
+    with pytest.raises(SupportError, match="face 0 has 4 corners"):
+        incircle_axes(grid_mesh(planar_net()))
+
+
+def test_circle_axes_support_the_dual_of_a_circular_net() -> None:
+    """maths.md 10.6: at any points of the axes that make edges, here the conical partner."""
+    x = circular_net()
+    structure = SupportStructure.of(
+        grid_mesh(circular_to_conical(x)), circle_axes(x)[1].reshape(-1, 3)
+    )
+    assert structure.torsion_deg_max < 1e-9
