@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.support.parallel import parallel_field
 
-BOUNDARY_WEIGHT = 1e-6
+BOUNDARY_WEIGHT = 1e-4
 """Weight of boundary vertices, which have no full cone, against the cones' axes."""
 
 FLAT_STAR = 1e-6

@@ -158,7 +158,7 @@ class Moebius:
             pole = -first.matrix.T @ away / first.square
             return Moebius(self.matrix @ first.matrix / first.square, self.shift, pole)
         size = float(away @ away)
-        if size <= (RELATIVE_DEGENERATE**2) * max(first.square, float(self.pole @ self.pole)):
+        if size <= RELATIVE_DEGENERATE**2 * float(self.pole @ self.pole):
             # The pole of one is where infinity went: J(A J(y)) = A y / a^2.
             matrix = self.matrix @ first.matrix / first.square
             return Moebius(matrix, self.shift - matrix @ first.pole)

@@ -87,6 +87,13 @@ def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project
             raise ProjectError('a project needs [net] kind = "mesh", file = "..."', file=name)
         if sections["net"].get("kind", MESH) in kinds():
             sections["net"] = _generated(sections["net"], name, text)
+            if sections.get("project", {}).get("units", "mm") != "mm":
+                raise ProjectError(
+                    f"[project] units = {_show(sections['project']['units'])} is for mesh files; "
+                    f'a net of kind "{sections["net"]["kind"]}" is made in millimetres',
+                    file=name,
+                    line=find_line(text, ("project", "units")),
+                )
         elif "parameters" in sections["net"]:
             raise ProjectError(
                 _unknown("[net] parameters", "parameters", {"kind", "file"}),

@@ -238,6 +238,31 @@ def test_edge_offset_of_a_saddle_and_of_a_closed_polyhedron() -> None:
     assert classify_offset(solid, edge_offset(solid, 0.3)).constant == ("vertex", "edge", "face")
 
 
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_offsets_at_any_scale(scale: float) -> None:
+    koebe = grid_mesh(combescure(koebe_net(), np.linspace(0.8, 1.2, 6), np.linspace(1.1, 0.9, 5)))
+    conical = grid_mesh(circular_to_conical(circular_net() * scale))
+    circular = grid_mesh(circular_net() * scale)
+    for offset, mesh, size, kind in (
+        (vertex_offset, circular, 250.0, "vertex"),
+        (face_offset, conical, 250.0, "face"),
+        (edge_offset, koebe.scaled(scale), 0.3, "edge"),
+    ):
+        report = classify_offset(mesh, offset(mesh, size * scale))  # type: ignore[operator]
+        assert report.constant == (kind,)
+        assert report.distance[kind] == pytest.approx(size * scale, rel=1e-11)
+
+
+@pytest.mark.parametrize("kind", ["circular", "conical"])
+def test_offsets_do_not_depend_on_the_numbering(kind: str) -> None:
+    mesh = generate(kind)
+    order = np.random.default_rng(9).permutation(mesh.n_vertices)
+    faces = np.argsort(order)[mesh.corners].reshape(-1, 4)[::-1]
+    other = Mesh.build(mesh.vertices[order], np.roll(faces, 1, axis=1))
+    first, second = exact_offset(mesh, 200.0)[0], exact_offset(other, 200.0)[0]
+    assert np.abs(first.vertices[order] - second.vertices).max() < 1e-6
+
+
 def test_only_the_right_nets_have_offsets() -> None:
     circular, conical = generate("circular"), generate("conical")
     plain = grid_mesh(planar_net())

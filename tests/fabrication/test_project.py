@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ddgfab.errors import ProjectError
@@ -89,6 +90,17 @@ def test_every_kind_of_net_takes_its_parameters(tmp_path: Path) -> None:
         assert load(tmp_path, text).net.parameters == {parameter.name: 9}
     conical = make_project({"net": {"kind": "conical", "panels_along": 5, "panels_across": 3}})
     assert load_net(conical).mesh.n_faces == 15
+
+
+def test_generated_nets_take_a_scale_but_no_other_unit(tmp_path: Path) -> None:
+    net = {"kind": "rotational", "panels_around": 12, "rings": 3}
+    plain = load_net(make_project({"net": net})).mesh
+    twice = load_net(make_project({"net": net, "project": {"scale": 2.0}})).mesh
+    assert np.array_equal(twice.vertices, 2.0 * plain.vertices)
+    even = load_net(make_project({"net": net, "project": {"median_edge_mm": 1500.0}})).mesh
+    assert np.median(even.edge_lengths) == pytest.approx(1500.0)
+    with pytest.raises(ProjectError, match=r'job.toml:2: .*units = "m" is for mesh files'):
+        load(tmp_path, '[project]\nunits = "m"\n[net]\nkind = "canal"\n')
 
 
 @pytest.mark.parametrize(
