@@ -73,6 +73,7 @@ def make_command(
     with _errors(debug), _progress() as tell:
         from fabrication.designs import design_net, find_project, load_net
         from fabrication.pipeline import make
+        from fabrication.pool import worker_pool
 
         begin = time.perf_counter()
         sections = _sections(change or [])
@@ -86,8 +87,9 @@ def make_command(
         if verify is not None:
             sections["checks"] = {**sections.get("checks", {}), "verify": verify}
         project = find_project(source, sections)
-        plan = design_net(project, load_net(project), tell)
-        result = make(plan, output, jobs=project.output.jobs, progress=tell)
+        with worker_pool(project.output.jobs) as pool:  # loads the kernel while this one designs
+            plan = design_net(project, load_net(project), tell)
+            result = make(plan, output, pool=pool, progress=tell)
         seconds = time.perf_counter() - begin
     _report(plan, result, seconds)
     raise typer.Exit(result.exit_code)

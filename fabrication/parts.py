@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from ddgfab.errors import DdgError
+from ddgfab.errors import DdgError, OutputError
 from fabrication.checks.crossing import crossings
 from fabrication.checks.file import check_step_part, check_stl_part
 from fabrication.checks.mesh import check_mesh
 from fabrication.checks.solid import check_solid
 from fabrication.checks.whole import check_step_assembly
+from fabrication.export.glb import write_glb
+from fabrication.export.preview import write_preview
 from fabrication.export.step import (
     Header,
     Material,
@@ -25,7 +27,7 @@ from fabrication.export.step import (
 )
 from fabrication.export.stl import stl_bytes
 from fabrication.solids import boundary_of, realise, second_volume_of, solid_of
-from fabrication.specs import Check, Placement, Properties, Role, Shape, TriangleMesh
+from fabrication.specs import Check, Family, Placement, Properties, Role, Shape, TriangleMesh
 
 VOLUME_RELATIVE: Final = 1e-9
 """How far the closed forms of a volume may differ: from the boundary, and from the numbers."""
@@ -177,6 +179,28 @@ def assemble(
         checks = check_step_assembly(path, expected)
         clock.lap("read back assembly.step")
     return checks, clock.seconds
+
+
+def draw(
+    folder: Path,
+    families: Sequence[Family],
+    meshes: Mapping[str, TriangleMesh],
+    failed: Collection[str],
+    glb: bool,
+) -> tuple[list[str], float]:
+    """Write preview.png and, if asked, model.glb: warnings, and seconds.
+
+    A machine without graphics is no fault of the structure: no preview then, and a warning.
+    """
+    begin = time.perf_counter()
+    warnings = []
+    if glb:
+        write_glb(folder / "model.glb", families, meshes, failed)
+    try:
+        write_preview(folder / "preview.png", families, meshes, failed)
+    except OutputError as error:
+        warnings.append(f"no preview.png: {error}")
+    return warnings, time.perf_counter() - begin
 
 
 class _Clock:

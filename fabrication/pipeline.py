@@ -5,36 +5,35 @@ from __future__ import annotations
 import shutil
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from concurrent.futures import Future, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from ddgfab.errors import OutputError
 from fabrication.checks.assembly import check_assembly
 from fabrication.designs import Design, Progress
 from fabrication.export.folder import OutputFolder, safe_name
-from fabrication.export.glb import write_glb
 from fabrication.export.manifest import (
     MANIFEST,
     build_manifest,
     file_records,
     write_manifest,
 )
-from fabrication.export.preview import write_preview
 from fabrication.export.tables import write_xlsx
 from fabrication.parts import (
     PartJob,
     PartResult,
     VerifyTask,
     assemble,
+    draw,
     make_parts,
     verify_parts,
 )
-from fabrication.pool import worker_pool
+from fabrication.pool import Workers, worker_pool
 from fabrication.problems import problems_of
 from fabrication.records import CHORD_MM, clearances, part_records, part_settings
+from fabrication.schedules import mass_kg, schedules
 from fabrication.specs import Check, Family
 
 REJECTED: Final = "rejected"
@@ -80,6 +79,7 @@ def make(
     folder: str | Path | None = None,
     *,
     jobs: int = 1,
+    pool: Workers | None = None,
     progress: Progress | None = None,
 ) -> JobResult:
     """Solids, checks and files of a design; the folder appears complete or not at all.
@@ -89,6 +89,7 @@ def make(
     folder : default outputs/<project name>
     jobs : processes; 1 works in this one. More need a ``if __name__ == "__main__"`` guard in the
         caller, as always with multiprocessing
+    pool : what `worker_pool` gave, to be used instead of `jobs`
     progress : called as (step, done, of)
 
     Raises
@@ -101,15 +102,22 @@ def make(
     name = safe_name(design.project.name)
     target = Path(folder) if folder is not None else Path("outputs") / name
     tell = progress or (lambda step, done, of: None)
-    with OutputFolder(target) as staging, worker_pool(jobs) as pool:
-        return _Job(design, staging, target, pool, tell).run()
+    if pool is None:
+        with worker_pool(jobs) as own:
+            return make(design, target, pool=own, progress=progress)
+    with OutputFolder(target) as staging:
+        try:
+            return _Job(design, staging, target, pool, tell).run()
+        except BaseException:
+            pool.stop()  # before the staging folder goes, into which they write
+            raise
 
 
 class _Job:
     """One run: the state that its steps share."""
 
     def __init__(
-        self, design: Design, staging: Path, target: Path, pool: Executor, tell: Progress
+        self, design: Design, staging: Path, target: Path, pool: Workers, tell: Progress
     ) -> None:
         self.design, self.staging, self.target = design, staging, target
         self.pool, self.tell = pool, tell
@@ -121,11 +129,13 @@ class _Job:
     def run(self) -> JobResult:
         """All steps; the manifest comes last.
 
-        The pool reads part files back while this process looks at clearances and draws; the
-        assembly is written from what passed so far and, should reading back find more, again.
+        The pool draws and reads part files back while this process looks at clearances. Pictures
+        and assembly are made of what passed so far and, should later checks find more, again.
         """
         with self._timed("parts"):
             parts = self._make()
+        failed = _failed(self._checks_by_mark(parts, {}))
+        models, drawn = self._draw(parts, failed), failed
         tasks = self._verify_tasks(parts)
         reading = [self.pool.submit(verify_parts, task) for task in tasks[: len(tasks) // 3]]
         with self._timed("clearances"):
@@ -136,21 +146,23 @@ class _Job:
                 clearances(self.design),
                 tolerance=2 * CHORD_MM,
             )
-        checks = self._checks_by_mark(parts, pieces)
-        failed = _failed(checks)
-        assembly = self._assemble(parts, failed)
+        failed = _failed(self._checks_by_mark(parts, pieces))
+        assembly, assembled = self._assemble(parts, failed), failed
         reading += [self.pool.submit(verify_parts, task) for task in tasks[len(tasks) // 3 :]]
-        with self._timed("model and preview"):
-            self._write_models(parts, failed)
-        with self._timed("waiting for files read back"):
+        with self._timed("schedules"):
+            self._write_schedules(parts)
+        with self._timed("waiting for the other processes"):
             found = self._collect(reading)
             extra = self._collect_assembly(assembly)
         parts = [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
         checks = self._checks_by_mark(parts, pieces)
-        if _failed(checks) != failed:
-            failed = _failed(checks)
+        failed = _failed(checks)
+        if failed != assembled:
             extra = self._collect_assembly(self._assemble(parts, failed))
-            self._write_models(parts, failed)
+        warnings = self._collect_models(models)
+        if failed != drawn:
+            warnings = self._collect_models(self._draw(parts, failed))
+        self.warnings += warnings
         self._reject(parts, failed)
         return self._finish(parts, checks, extra)
 
@@ -168,15 +180,13 @@ class _Job:
 
     # --- parts -------------------------------------------------------------------------------
     def _make(self) -> list[PartResult]:
-        """All part numbers, in the pool; this process writes the schedules meanwhile."""
+        """All part numbers, in the pool."""
         jobs = [PartJob(f.number, f.role, f.shape) for f in self.design.families]
         for kind in ("step", "stl"):
             if kind in self.formats:
                 (self.staging / "parts" / kind).mkdir(parents=True)
         batches = [jobs[i : i + BATCH] for i in range(0, len(jobs), BATCH)]
         futures = [self.pool.submit(make_parts, batch, self.settings) for batch in batches]
-        with self._timed("schedules"):
-            self._write_schedules()
         parts: list[PartResult] = []
         for future in futures:
             parts += future.result()
@@ -266,8 +276,11 @@ class _Job:
             self._add(step, time_s)
         return list(checks)
 
-    def _write_schedules(self) -> None:
-        tables = self.design.schedules
+    def _write_schedules(self, parts: Sequence[PartResult]) -> None:
+        """CSV and XLSX, with the masses of the parts as made."""
+        density = {role: material.density for role, material in self.settings.materials.items()}
+        masses = {p.number: mass_kg(p.properties.volume, density[p.job.role]) for p in parts}
+        tables = schedules(self.design.gridshell, self.design.families, masses)
         folder = self.staging / "schedules"
         if "csv" in self.formats:
             folder.mkdir()
@@ -278,15 +291,18 @@ class _Job:
             rows = {name: table.rows for name, table in tables.items()}
             write_xlsx(folder / "schedule.xlsx", rows)
 
-    def _write_models(self, parts: Sequence[PartResult], failed: set[str]) -> None:
-        self.tell("model and preview", 0, 0)
+    def _draw(self, parts: Sequence[PartResult], failed: set[str]) -> Future[Any]:
+        """Start model.glb and preview.png."""
         meshes = {part.number: part.mesh for part in parts}
-        if "glb" in self.formats:
-            write_glb(self.staging / "model.glb", self.design.families, meshes, failed)
-        try:
-            write_preview(self.staging / "preview.png", self.design.families, meshes, failed)
-        except OutputError as error:  # no graphics on this machine is no fault of the structure
-            self.warnings.append(f"no preview.png: {error}")
+        glb = "glb" in self.formats
+        return self.pool.submit(draw, self.staging, self.design.families, meshes, failed, glb)
+
+    def _collect_models(self, drawing: Future[Any]) -> list[str]:
+        """Wait for model and picture; what could not be drawn."""
+        self.tell("model and preview", 0, 0)
+        warnings, seconds = drawing.result()
+        self._add("model and preview", seconds)
+        return list(warnings)
 
     # --- the end -----------------------------------------------------------------------------
     def _finish(

@@ -6,33 +6,68 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import active_children, get_context, parent_process
-from typing import Any
+from typing import Any, Protocol
+
+
+class Workers(Protocol):
+    """What a job needs of its workers: the interface of `concurrent.futures`, and a hard stop."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any) -> Future[Any]:
+        """Start a call."""
+
+    def stop(self) -> None:
+        """End everything at once; whatever was being written stays as it is."""
 
 
 @contextmanager
-def worker_pool(jobs: int) -> Iterator[Executor]:
+def worker_pool(jobs: int) -> Iterator[Workers]:
     """Processes that have the kernel loaded; `jobs` = 0: one a core, 1: this process."""
     count = jobs or os.cpu_count() or 1
     if count == 1:
         yield _Here()
         return
-    others = active_children()
-    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_warm_up)
+    pool = _Processes(count)
     try:
-        with _interrupts_ignored():  # inherited: Ctrl-C is the parent's business
-            for _ in range(count):
-                pool.submit(_ready)
         yield pool
     except BaseException:
-        for worker in active_children():
-            if worker not in others:
-                worker.terminate()  # what it was doing goes with the staging folder
-        pool.shutdown(wait=True, cancel_futures=True)
+        pool.stop()
         raise
     pool.shutdown()
+
+
+class _Processes(ProcessPoolExecutor):
+    """A pool whose workers start at once, leave Ctrl-C to this process and end with it."""
+
+    def __init__(self, count: int) -> None:
+        self._others = active_children()
+        super().__init__(count, mp_context=get_context("spawn"), initializer=_warm_up)
+        with _interrupts_ignored():  # inherited by the workers
+            for _ in range(count):
+                self.submit(_ready)
+
+    def stop(self) -> None:
+        for worker in active_children():
+            if worker not in self._others:
+                worker.terminate()
+        self.shutdown(wait=True, cancel_futures=True)
+
+
+class _Here:
+    """Works at once in this process."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+    def stop(self) -> None:
+        """Nothing runs."""
 
 
 @contextmanager
@@ -68,15 +103,3 @@ def _end_with_parent() -> None:
 
 def _ready() -> None:
     """Nothing: a task that makes a worker start."""
-
-
-class _Here(Executor):
-    """An executor that works at once in this process."""
-
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
-        return future

@@ -13,12 +13,11 @@ from fabrication.detailing.clearance import PANEL_CLEARANCE
 from fabrication.export.manifest import part_record
 from fabrication.export.step import Header, Material
 from fabrication.parts import PartResult, PartSettings
+from fabrication.schedules import mass_kg
 from fabrication.specs import Check, Role
 
 CHORD_MM: Final = 0.05
 """Greatest distance [mm] of the meshes (STL, GLB, clearances) from the exact surfaces."""
-
-KG_PER_MM3: Final = 1e-9  # times a density in kg/m3
 
 
 def part_records(
@@ -32,7 +31,7 @@ def part_records(
     records = []
     for family in design.families:
         part = results[family.number]
-        mass = part.properties.volume * settings.materials[family.role].density * KG_PER_MM3
+        mass = mass_kg(part.properties.volume, settings.materials[family.role].density)
         for instance in family.instances:
             turn, shift = instance.placement[:3, :3], instance.placement[:3, 3]
             placed = part.mesh.vertices @ turn.T + shift

@@ -68,9 +68,13 @@ def family_masses(families: Sequence[Family], project: Project) -> dict[str, flo
         "panel": project.panel.density,
     }
     return {
-        family.number: volume_of(family.shape) * density[family.role] * KG_PER_MM3
-        for family in families
+        family.number: mass_kg(volume_of(family.shape), density[family.role]) for family in families
     }
+
+
+def mass_kg(volume: float, density: float) -> float:
+    """Mass [kg] of a volume [mm3] of a density [kg/m3]."""
+    return volume * density * KG_PER_MM3
 
 
 def panel_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) -> list[Row]:

@@ -182,22 +182,28 @@ def read_manifest(path: Path) -> dict[str, Any]:
 
 
 def _json(value: Any) -> str:
-    return json.dumps(_plain(value), ensure_ascii=False, allow_nan=False)
+    try:
+        return json.dumps(value, ensure_ascii=False, allow_nan=False, default=_plain)
+    except ValueError:  # a number that is not finite somewhere: rare, so looked for only then
+        return json.dumps(_finite(value), ensure_ascii=False, default=_plain)
 
 
 def _plain(value: Any) -> Any:
-    """Numpy values and tuples as JSON's own; numbers that are not finite become null."""
+    """What JSON does not know: numpy values as Python's, mappings as dictionaries, else text."""
+    if isinstance(value, np.ndarray | np.generic):
+        return _finite(value.tolist())
+    return dict(value) if isinstance(value, Mapping) else str(value)
+
+
+def _finite(value: Any) -> Any:
+    """The same with null for numbers that are not finite."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if value is None or isinstance(value, bool | int | float | str):
-        return value
-    return str(value)
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _rounded(values: Floats, digits: int) -> list[float] | list[list[float]]:
