@@ -1,10 +1,11 @@
 """The whole job as a naive build123d script: the same parts and files from the same numbers.
 
-    python benchmarks/naive_job.py MESH FOLDER
+    python benchmarks/naive_job.py MESH FOLDER [--families]
 
-Gets the design, the families and the placements for nothing (untimed); builds one solid a part
-number, checks it, writes STEP and STL of each, the assembly as STEP, GLB, and the schedules.
-Prints the seconds of each step as JSON.
+Gets all numbers for nothing (untimed); builds a solid for each piece, checks it, writes STEP and
+STL of each, the assembly as STEP, GLB, and the schedules. With --families it is also given, for
+nothing, which pieces are congruent, and builds one solid a part number. Prints the seconds of each
+step as JSON.
 """
 
 from __future__ import annotations
@@ -37,7 +38,10 @@ def main() -> None:
         now = time.perf_counter()
         seconds[name], last = now - last, now
 
-    solids = {family.number: naive.solid(family.shape) for family in plan.families}
+    if "--families" in sys.argv:
+        solids = {family.number: naive.solid(family.shape) for family in plan.families}
+    else:
+        solids = {piece.mark: naive.solid(piece.shape) for piece in plan.gridshell.pieces}
     lap("build")
     assert all(solid.is_valid for solid in solids.values())
     lap("check")
@@ -48,10 +52,13 @@ def main() -> None:
         b3.export_stl(solid, folder / f"{number}.stl", tolerance=0.05)
     lap("stl")
     children = []
+    own = {piece.mark: piece.placement for piece in plan.gridshell.pieces}
     for family in plan.families:
         for instance in family.instances:
-            child = copy.copy(solids[family.number])
-            child.location = b3.Location(location(instance.placement))
+            shared = family.number in solids
+            child = copy.copy(solids[family.number if shared else instance.mark])
+            at = instance.placement if shared else own[instance.mark]
+            child.location = b3.Location(location(at))
             child.label = instance.mark
             children.append(child)
     whole = b3.Compound(label="roof", children=children)
