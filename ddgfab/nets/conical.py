@@ -115,18 +115,21 @@ def angle_balance(points: ArrayLike) -> Floats:
 
 
 def conical_residuals(points: ArrayLike) -> dict[str, float]:
-    """How far a net is from conical: greatest planarity and greatest determinant of normals.
+    """How far a net is from conical: greatest planarity and greatest defect of its normals.
 
-    "planarity": distance of the diagonals over their mean length; "normals":
-    `conical_determinant`. Both without unit, zero for a conical net.
+    "planarity": distance of the diagonals over their mean length. "normals":
+    `conical_determinant` over the product of the lengths of its three differences, so that it
+    does not shrink with the cells (0 where two faces of a vertex are parallel). Both zero for a
+    conical net.
 
     Source: maths.md 0, 1.3, 2.9.
     """
     x = _net(points, 3)
-    return {
-        "planarity": float(np.abs(planarity(x)).max()),
-        "normals": float(np.abs(conical_determinant(x)).max()),
-    }
+    n = _stars(face_normals(x))
+    scale = np.linalg.norm(n[:, :, 1:] - n[:, :, :1], axis=-1).prod(axis=-1)
+    defect = np.zeros_like(scale)
+    np.divide(np.abs(conical_determinant(x)), scale, out=defect, where=scale > RELATIVE_DEGENERATE)
+    return {"planarity": float(np.abs(planarity(x)).max()), "normals": float(defect.max())}
 
 
 def cone_offsets(points: ArrayLike) -> Floats:

@@ -121,6 +121,7 @@ def test_cone_offsets_move_all_faces_by_one() -> None:
 def test_the_measures_see_nets_that_are_not_conical() -> None:
     x = planar_net()
     assert np.abs(conical_determinant(x)).max() > 1e-5
+    assert conical_residuals(x)["normals"] > 1e-3
     assert np.abs(angle_balance(x)).max() > 1e-3
     # Reflected points do not close there.
     y = conical_to_circular(x)
