@@ -3,8 +3,8 @@
     python benchmarks/job.py MESH [--rounds 3]
 
 Alternates them in one run: `ddgfab make` with the cheap checks, with everything read back, and
-`naive_job.py`, once as it is and once with the families given for nothing. Ours is timed as a user would (process start included), theirs without start and
-without the design. Median of the rounds.
+`naive_job.py`, once as it is and once with the families given for nothing. Ours is timed as a user
+would (process start included), theirs without start and without the design. Median of the rounds.
 """
 
 from __future__ import annotations
