@@ -32,10 +32,8 @@ def worker_pool(jobs: int) -> Iterator[Workers]:
     pool = _Processes(count)
     try:
         yield pool
-    except BaseException:
-        pool.stop()
-        raise
-    pool.shutdown()
+    finally:
+        pool.stop()  # at the good end too: nothing runs any more, and leaving the kernel takes time
 
 
 class _Processes(ProcessPoolExecutor):

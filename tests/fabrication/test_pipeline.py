@@ -6,6 +6,8 @@ import csv
 import hashlib
 import json
 import os
+import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -181,3 +183,28 @@ def test_a_full_disk_ends_in_one_message(small_design: Design, tmp_path: Path) -
         assert list(disk.iterdir()) == []
     finally:
         subprocess.run(["umount", str(disk)], check=True)
+
+
+@pytest.mark.skipif(shutil.which("prusa-slicer") is None, reason="prusa-slicer is not installed")
+def test_prusaslicer_finds_every_stl_a_solid(small_folder: Path) -> None:
+    """Manifold, one part, and the manifest's volume within what the chord tolerance gives."""
+    numbers = {part["number"]: part["volume_mm3"] for part in manifest_of(small_folder)["parts"]}
+    for number, volume in numbers.items():
+        path = small_folder / "parts" / "stl" / f"{number}.stl"
+        done = subprocess.run(
+            ["prusa-slicer", "--info", str(path)], capture_output=True, text=True, check=False
+        )
+        found = dict(re.findall(r"^(\w+) = +(\S+)", done.stdout, flags=re.MULTILINE))
+        assert found["manifold"] == "yes", (number, done.stdout)
+        assert found["number_of_parts"] == "1", (number, done.stdout)
+        assert float(found["volume"]) == pytest.approx(volume, rel=5e-3), number
+
+
+@pytest.mark.skipif(shutil.which("admesh") is None, reason="admesh is not installed")
+def test_admesh_has_nothing_to_mend(small_folder: Path) -> None:
+    for path in sorted((small_folder / "parts" / "stl").glob("*.stl")):
+        done = subprocess.run(["admesh", str(path)], capture_output=True, text=True, check=False)
+        for fault in ("degenerate facets", "Edges fixed", "Facets removed", "Facets reversed"):
+            counts = re.findall(rf"{fault}\s*:\s*(\d+)", done.stdout, flags=re.IGNORECASE)
+            assert counts, (fault, done.stdout)
+            assert set(counts) == {"0"}, (path.name, fault, done.stdout)
