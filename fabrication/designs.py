@@ -19,7 +19,7 @@ from ddgfab.nets.registry import generate
 from ddgfab.support import SupportStructure, support_structure
 from fabrication.detailing import Gridshell, detail
 from fabrication.families import families
-from fabrication.project import MESH, Project, load_project, make_project, project_for_mesh
+from fabrication.project import MESH, Project, load_project, project_for_mesh
 from fabrication.schedules import schedules
 from fabrication.specs import Family
 from fabrication.table import Table
@@ -30,6 +30,9 @@ Progress: TypeAlias = Callable[[str, int, int], None]
 Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] | None"
 """A project file, a mesh file, a mesh, (vertices, faces), or None for the built-in example."""
 
+
+GIVEN: Final = "mesh given in Python"
+"""Stands for the kind of net where a script gave the mesh itself."""
 
 EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
 """The built-in example."""
@@ -136,7 +139,12 @@ def design(
     if isinstance(source, tuple):
         source = Mesh.build(*source)
     mesh = source if isinstance(source, Mesh) else None
-    project = make_project(sections) if isinstance(source, Mesh) else find_project(source, sections)
+    if isinstance(source, Mesh):
+        project = project_for_mesh(GIVEN, sections)  # of any unit, as a file is
+        given = project.net.model_copy(update={"kind": GIVEN, "file": None})
+        project = project.model_copy(update={"net": given})
+    else:
+        project = find_project(source, sections)
     return design_net(project, load_net(project, mesh), progress)
 
 
