@@ -1,0 +1,123 @@
+"""What the commands share: the program, errors and exit codes, progress, settings as text."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from fabrication.designs import Progress
+
+app = typer.Typer(
+    help="Discrete surfaces into things that can be built: torsion-free gridshells as checked "
+    "STEP, STL and schedules.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
+
+
+def words(text: str) -> list[str]:
+    """Words between commas, in lower case."""
+    return [word.strip().lower() for word in text.split(",") if word.strip()]
+
+
+def sections_of(changes: list[str]) -> dict[str, dict[str, Any]]:
+    """`section.key=value` as sections; the value is TOML, or a plain word."""
+    from ddgfab.errors import ProjectError
+
+    sections: dict[str, dict[str, Any]] = {}
+    for change in changes:
+        name, equals, value = change.partition("=")
+        section, dot, key = name.strip().partition(".")
+        if not (equals and dot and key):
+            raise ProjectError(f"--set {change}: expected section.key=value")
+        sections.setdefault(section, {})[key] = toml_value(value)
+    return sections
+
+
+def toml_value(text: str) -> Any:
+    """A TOML value, or a plain word."""
+    import tomllib
+
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text.strip()
+
+
+@contextmanager
+def errors(debug: bool) -> Iterator[None]:
+    """One clear message and the right exit code; a traceback only with --debug."""
+    from ddgfab.errors import DdgError
+
+    def stop(signum: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    except DdgError as error:
+        if debug:
+            raise
+        typer.echo(f"error: {error}", err=True)
+        raise typer.Exit(BAD_INPUT) from None
+    except KeyboardInterrupt:
+        typer.echo("interrupted: nothing was written", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+    except (OSError, MemoryError, ArithmeticError, RuntimeError, LookupError) as error:
+        if debug:
+            raise
+        kind = type(error).__name__
+        typer.echo(
+            f"error: unexpected {kind}: {error}\nNothing was written. "
+            "This is a fault of ddgfab: run again with --debug and report it.",
+            err=True,
+        )
+        raise typer.Exit(BAD_INPUT) from None
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@contextmanager
+def progress() -> Iterator[Progress]:
+    """A bar a step on a terminal; a line a step elsewhere."""
+    if not sys.stderr.isatty():
+        said: set[str] = set()
+
+        def line(step: str, done: int, of: int) -> None:
+            if step not in said:
+                said.add(step)
+                typer.echo(f"{step} ...", err=True)
+
+        yield line
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("{task.description:24}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as bars:
+        tasks: dict[str, Any] = {}
+
+        def bar(step: str, done: int, of: int) -> None:
+            if step not in tasks:
+                for task in tasks.values():
+                    bars.stop_task(task)
+                tasks[step] = bars.add_task(step, total=of or None)
+            bars.update(tasks[step], completed=done, total=of or None)
+
+        yield bar

@@ -1,0 +1,51 @@
+"""`ddgfab inspect` and `ddgfab check`: what a mesh is, and whether files are sound."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fabrication.cli.common import DONE, FAILED, Debug, app, errors
+
+
+@app.command("inspect")
+def inspect_command(
+    mesh: Annotated[Path, typer.Argument(help="OBJ, OFF or PLY.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Machine-readable.")] = False,
+    scale: Annotated[float, typer.Option(help="Factor on the coordinates, to mm.")] = 1.0,
+    debug: Debug = False,
+) -> None:
+    """What kind of net a mesh is, and how far from planar, circular, conical, torsion-free."""
+    with errors(debug):
+        from ddgfab.io import read_mesh
+        from ddgfab.measures import inspect
+
+        read = read_mesh(mesh, scale)
+        report = inspect(read.mesh)
+    if as_json:
+        record = {"file": read.file, "sha256": read.sha256, "notes": list(read.notes)}
+        typer.echo(json.dumps({**record, **report.to_dict()}, indent=1))
+        return
+    for note in read.notes:
+        typer.echo(f"note: {note}")
+    typer.echo(report.text())
+
+
+@app.command("check")
+def check_command(
+    files: Annotated[list[Path], typer.Argument(help="STEP or STL files.")],
+    debug: Debug = False,
+) -> None:
+    """Is each file closed and valid, and what is its volume?"""
+    failed = False
+    with errors(debug):
+        from fabrication.checks.inspection import inspect_file
+
+        for file in files:
+            report = inspect_file(file)
+            typer.echo(report.text())
+            failed |= not report.passed
+    raise typer.Exit(FAILED if failed else DONE)

@@ -1,0 +1,92 @@
+"""`ddgfab make`: from a mesh or project to checked CAD files and schedules."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fabrication.cli.common import Debug, app, errors, progress, sections_of, words
+
+if TYPE_CHECKING:
+    from ddgfab.mesh import Ints
+    from fabrication.designs import Design
+    from fabrication.pipeline import JobResult
+
+
+@app.command("make")
+def make_command(
+    source: Annotated[
+        Path | None,
+        typer.Argument(help="Project (TOML) or mesh (OBJ, OFF, PLY); none: the built-in example."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder; default outputs/<project>.")
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(min=0, help="Processes; 0: one a core.")] = None,
+    formats: Annotated[
+        str | None, typer.Option(help="Files to write, for instance step,stl,glb,csv,xlsx.")
+    ] = None,
+    verify: Annotated[
+        str | None, typer.Option(help="Part numbers to read back: all, sample or none.")
+    ] = None,
+    change: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Change a setting: project.units=m, panel.kind=none, ..."),
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """From a mesh or project to checked CAD files and schedules."""
+    with errors(debug), progress() as tell:
+        from fabrication.designs import design_net, find_project, load_net
+        from fabrication.pipeline import make
+        from fabrication.pool import worker_pool
+
+        begin = time.perf_counter()
+        sections = sections_of(change or [])
+        given = {
+            "jobs": jobs,
+            "formats": None if formats is None else words(formats),
+        }
+        output_section = {key: value for key, value in given.items() if value is not None}
+        if output_section:
+            sections["output"] = {**sections.get("output", {}), **output_section}
+        if verify is not None:
+            sections["checks"] = {**sections.get("checks", {}), "verify": verify}
+        project = find_project(source, sections)
+        with worker_pool(project.output.jobs) as pool:  # loads the kernel while this one designs
+            plan = design_net(project, load_net(project), tell)
+            result = make(plan, output, pool=pool, progress=tell)
+        seconds = time.perf_counter() - begin
+    _report(plan, result, seconds)
+    raise typer.Exit(result.exit_code)
+
+
+def _named(letter: str, ids: Ints) -> str:
+    return ", ".join(f"{letter}-{i:04d}" for i in ids.tolist())
+
+
+def _report(plan: Design, result: JobResult, seconds: float) -> None:
+    """The closing words of a job."""
+    manifest = result.manifest
+    numbers = len({part["number"] for part in manifest["parts"]})
+    checks = manifest["checks"]
+    support = plan.support
+    typer.echo(repr(plan))
+    typer.echo(
+        f"node axes ({support.kind}): torsion max {support.torsion_deg_max:.1e}, mean "
+        f"{support.torsion_deg_mean:.1e} deg, worst {_named('B', support.worst_edges(3))}; "
+        f"lean max {support.lean_deg_max:.1f}, mean {support.lean_deg_mean:.1f} deg, "
+        f"worst {_named('N', support.worst_vertices(3))}"
+    )
+    typer.echo(
+        f"{len(manifest['parts'])} parts of {numbers} part numbers; "
+        f"{checks['passed']} checks passed, {checks['failed']} failed; {seconds:.1f} s"
+    )
+    for note in manifest["notes"]:
+        typer.echo(f"note: {note}")
+    for problem in result.problems:
+        typer.echo(f"FAILED {problem}", err=True)
+    typer.echo(f"{len(manifest['files'])} files in {result.folder}")

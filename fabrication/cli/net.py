@@ -1,0 +1,69 @@
+"""`ddgfab net`: write any net of the library as a mesh file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fabrication.cli.common import Debug, app, errors, toml_value
+
+
+@app.command("net")
+def net_command(
+    kind: Annotated[str | None, typer.Argument(help="Kind of net; see --list.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="OBJ, OFF or PLY; default KIND.obj.")
+    ] = None,
+    change: Annotated[
+        list[str] | None, typer.Option("--set", help="A parameter: panels_along=20, ...")
+    ] = None,
+    listing: Annotated[
+        bool, typer.Option("--list", help="List all kinds, or the parameters of KIND.")
+    ] = False,
+    offset: Annotated[
+        float | None,
+        typer.Option(help="Write the net parallel to it at this distance [mm] instead."),
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Write an exact net (planar, circular, conical, ...) as a mesh file."""
+    with errors(debug):
+        from ddgfab.errors import InputError
+        from ddgfab.io import write_mesh
+        from ddgfab.nets.registry import find_generator, generate, kinds
+
+        if listing:
+            _list_nets(kinds() if kind is None else (kind,))
+            return
+        if kind is None:
+            raise InputError(f"which kind of net? One of {', '.join(kinds())}; see --list")
+        parameters = {}
+        for text in change or []:
+            name, equals, value = text.partition("=")
+            if not equals:
+                raise InputError(f"--set {text}: expected parameter=value")
+            parameters[name.strip()] = toml_value(value)
+        mesh = generate(kind, parameters)
+        said = find_generator(kind).summary
+        if offset is not None:
+            from ddgfab.offsets import exact_offset
+
+            mesh, report = exact_offset(mesh, offset)
+            said = str(report)
+        target = output or Path(f"{kind}.obj")
+        write_mesh(target, mesh)
+    typer.echo(f"{said}\n{mesh!r}\nwritten to {target} [mm]")
+
+
+def _list_nets(names: tuple[str, ...]) -> None:
+    """Kinds of net with their parameters, defaults, limits and meaning."""
+    from ddgfab.nets.registry import find_generator
+
+    for name in names:
+        entry = find_generator(name)
+        typer.echo(f"{name}: {entry.summary}")
+        for known in entry.parameters:
+            limits = f" [{known.limits}]" if known.limits else ""
+            typer.echo(f"  {known.name} = {known.default:g}  {known.text}{limits}")
