@@ -59,6 +59,8 @@ from ddgfab.nets.cubes import (
     seen_from_opposite,
 )
 from ddgfab.nets.grid import grid_mesh
+from ddgfab.nets.knet import CauchyData, KNet, knet, oriented_angle
+from ddgfab.nets.knet_evolve import evolve_spherical, spherical_fourth
 from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
 from ddgfab.nets.miquel import (
     evolve_circular,
@@ -73,6 +75,8 @@ from ddgfab.nets.rotational import rotational_net
 from ddgfab.nets.translation import translation_net
 
 __all__ = [
+    "CauchyData",
+    "KNet",
     "angle_balance",
     "angle_sum_defect",
     "axis_coplanarity",
@@ -109,6 +113,7 @@ __all__ = [
     "evolve_circular_by_angles",
     "evolve_conjugate",
     "evolve_nd",
+    "evolve_spherical",
     "face_normals",
     "fourth_by_angle",
     "fourth_by_t",
@@ -116,11 +121,13 @@ __all__ = [
     "grid_mesh",
     "interior_angles",
     "kinds",
+    "knet",
     "lattice",
     "miquel_point",
     "monge",
     "moulding_net",
     "normals_closure",
+    "oriented_angle",
     "phi",
     "phi_inverse",
     "planarity",
@@ -132,6 +139,7 @@ __all__ = [
     "sample",
     "seen_from_opposite",
     "sphere_defect",
+    "spherical_fourth",
     "stack_transforms",
     "translation_net",
     "vertex_normals",
