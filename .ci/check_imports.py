@@ -21,6 +21,9 @@ INSIDE_FUNCTIONS_ONLY = {
     "vtk",
     "xlsxwriter",
     "pandas",
+    "lib3mf",
+    "plotly",
+    "rectpack",
 }
 # A room of fabrication may import itself and the rooms before it.
 ROOMS = [
@@ -33,6 +36,7 @@ ROOMS = [
     "solids",
     "export",
     "checks",
+    "linkage",
     "table",
     "schedules",
     "designs",
@@ -41,6 +45,7 @@ ROOMS = [
     "records",
     "pool",
     "pipeline",
+    "kits",
     "cli",
 ]
 

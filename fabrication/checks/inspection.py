@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ElementTree
-import zipfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
-
 from ddgfab.errors import InputError
-from ddgfab.mesh import Floats
 from fabrication.checks.crossing import crossings
 from fabrication.checks.file import read_step
 from fabrication.checks.mesh import measure_mesh
 from fabrication.export.stl import read_stl
+from fabrication.export.threemf import read_threemf
 from fabrication.specs import TriangleMesh
-
-LARGEST_MODEL: Final = 1_000_000_000
-"""Greatest size [bytes] of the model inside a 3MF once unpacked."""
 
 CROSSING_TRIANGLES: Final = 20_000
 """Larger meshes are not searched for self-crossing, as the search grows with the square."""
-
-_CORE: Final = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
-_MODEL: Final = "3D/3dmodel.model"
 
 
 @dataclass(frozen=True)
@@ -161,94 +151,11 @@ def _whole(path: Path, kind: str, unit: str, bodies: list[Body]) -> FileReport:
     return FileReport(str(path), kind, unit, tuple(bodies), volume, tuple(problems))
 
 
-# --- 3MF -----------------------------------------------------------------------------------------
-_MILLIMETRES: Final = {
-    "micron": 0.001,
-    "millimeter": 1.0,
-    "centimeter": 10.0,
-    "inch": 25.4,
-    "foot": 304.8,
-    "meter": 1000.0,
-}
-
-
 def _threemf(path: Path) -> FileReport:
-    """The meshes of a 3MF's main model (core specification 1.3, chapters 3 and 4).
-
-    Placements are taken as rigid motions: volumes are those of the meshes as they are written.
-    """
-    root = _model(path)
-    unit = root.get("unit", "millimeter")
-    if unit not in _MILLIMETRES:
-        raise InputError(f"3MF with the unknown unit {unit!r}", file=str(path))
-    placed: dict[str, int] = {}
-    components: dict[str, list[str]] = {}
-    meshes: dict[str, tuple[str, TriangleMesh]] = {}
-    for item in root.iterfind(f"{_CORE}resources/{_CORE}object"):
-        key = item.get("id", "")
-        mesh = item.find(f"{_CORE}mesh")
-        if mesh is not None:
-            meshes[key] = (item.get("name", ""), _mesh(mesh, _MILLIMETRES[unit], path))
-        components[key] = [
-            part.get("objectid", "")
-            for part in item.iterfind(f"{_CORE}components/{_CORE}component")
-        ]
-    for build in root.iterfind(f"{_CORE}build/{_CORE}item"):
-        placed[build.get("objectid", "")] = placed.get(build.get("objectid", ""), 0) + 1
-    order = {key: at for at, key in enumerate(components)}
-    for key in reversed(components):
-        for part in components[key]:
-            if order.get(part, len(order)) >= order[key]:
-                raise InputError(
-                    f"3MF object {key} has a part {part} that does not come before it",
-                    file=str(path),
-                )
-            placed[part] = placed.get(part, 0) + placed.get(key, 0)
-    found = [(name, placed.get(key, 0), mesh) for key, (name, mesh) in meshes.items()]
-    return _report(path, "3MF", unit, found)
-
-
-def _model(path: Path) -> ElementTree.Element:
-    """The root of a 3MF's main model; refused when it declares entities or unpacks to too much."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            info = archive.getinfo(_MODEL)
-            if info.file_size > LARGEST_MODEL:
-                raise InputError(
-                    f"3MF model of {info.file_size} bytes; the limit is {LARGEST_MODEL}",
-                    file=str(path),
-                )
-            data = archive.read(info)
-        if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-            raise InputError("3MF with a document type: refused", file=str(path))
-        return ElementTree.fromstring(data)
-    except (OSError, zipfile.BadZipFile, KeyError, ElementTree.ParseError) as error:
-        raise InputError(f"not a readable 3MF file ({error})", file=str(path)) from error
-
-
-def _mesh(element: ElementTree.Element, scale: float, path: Path) -> TriangleMesh:
-    """A 3MF mesh in millimetres."""
-    try:
-        vertices: Floats = scale * np.array(
-            [
-                [float(v.attrib[axis]) for axis in "xyz"]
-                for v in element.iterfind(f"{_CORE}vertices/{_CORE}vertex")
-            ]
-        ).reshape(-1, 3)
-        triangles = np.array(
-            [
-                [int(t.attrib[corner]) for corner in ("v1", "v2", "v3")]
-                for t in element.iterfind(f"{_CORE}triangles/{_CORE}triangle")
-            ],
-            dtype=np.int64,
-        ).reshape(-1, 3)
-    except (KeyError, ValueError) as error:
-        raise InputError(f"3MF with a bad vertex or triangle ({error})", file=str(path)) from error
-    if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
-        raise InputError(
-            f"3MF triangle names vertex {triangles.max()}; there are {len(vertices)}",
-            file=str(path),
-        )
-    if not np.isfinite(vertices).all():
-        raise InputError("3MF with a coordinate that is not finite", file=str(path))
-    return TriangleMesh(vertices, triangles)
+    """Placements are taken as rigid motions: volumes are those of the meshes as written."""
+    content = read_threemf(path)
+    found = [
+        (body.name, placed, body.mesh)
+        for body, placed in zip(content.bodies, content.placed, strict=True)
+    ]
+    return _report(path, "3MF", content.unit, found)
