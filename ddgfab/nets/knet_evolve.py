@@ -40,19 +40,19 @@ def spherical_fourth(m: ArrayLike, m_i: ArrayLike, m_j: ArrayLike) -> Floats:
 
     Source: maths.md 3.4.
     """
-    corners = columns(m, m_i, m_j)
-    for name, corner in zip(("m", "m_i", "m_j"), corners, strict=True):
+    base, *ends = columns(m, m_i, m_j)
+    for name, corner in zip(("m", "m_i", "m_j"), (base, *ends), strict=True):
         refuse_not_unit(np.moveaxis(corner, 0, -1), name)
     place = Place()
-    for name, end in zip(("m_i", "m_j"), corners[1:], strict=True):
-        sine = norm(cross(corners[0], end))
+    for name, end in zip(("m_i", "m_j"), ends, strict=True):
+        sine = norm(cross(base, end))
         place.refuse(
             sine <= RELATIVE_DEGENERATE,
             f"m and {name} are parallel, the edge has no length: sine of their angle, "
             f"limit {RELATIVE_DEGENERATE:g}",
             sine,
         )
-    return np.moveaxis(reflect_rule(*corners, place), 0, -1)
+    return np.moveaxis(reflect_rule(base, ends[0], ends[1], place), 0, -1)
 
 
 def refuse_not_unit(vectors: Floats, what: str) -> None:
@@ -176,13 +176,16 @@ def integrate(m: Floats, r: float, origin: Floats) -> Floats:
     x = np.empty_like(m)
     x[(0,) * d] = origin
     for k in range(d):
-        # The layer of the directions up to k, the later ones at zero.
-        before, tail = (slice(None),) * k, (0,) * (d - k - 1)
-        layer = m[(*before, slice(None), *tail)]
-        edges = r * lelieuvre_edges(layer, k)
-        start = x[(*before, slice(0, 1), *tail)]
-        x[(*before, slice(1, None), *tail)] = start + np.cumsum(edges, axis=k)
+        # In the layer of the directions up to k, the later ones at zero.
+        edges = r * lelieuvre_edges(m[_layer(d, k, slice(None))], k)
+        start = x[_layer(d, k, slice(0, 1))]
+        x[_layer(d, k, slice(1, None))] = start + np.cumsum(edges, axis=k)
     return x
+
+
+def _layer(d: int, k: int, part: slice) -> tuple[slice | int, ...]:
+    """Index of all of the directions before k, a part of k, the first of those after."""
+    return tuple(slice(None) if a < k else part if a == k else 0 for a in range(d))
 
 
 def lelieuvre_edges(m: Floats, axis: int) -> Floats:
