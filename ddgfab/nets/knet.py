@@ -10,16 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.net import Net
 from ddgfab.nets.cells import finite
 from ddgfab.nets.knet_evolve import evolve_spherical, integrate, lelieuvre_edges
 from ddgfab.tolerances import RELATIVE_DEGENERATE
+
+if TYPE_CHECKING:
+    from ddgfab.net import Net
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,6 +109,9 @@ class KNet:
 
     def to_net(self) -> Net:
         """The points as a `Net`, all directions open."""
+        # ddgfab.net makes meshes by ddgfab.nets.grid, and so imports this package first.
+        from ddgfab.net import Net
+
         return Net.build(self.points)
 
     def cauchy(self) -> CauchyData:
