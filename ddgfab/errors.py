@@ -55,3 +55,20 @@ class KernelError(DdgError):
 
 class OutputError(DdgError):
     """The output folder or a file in it cannot be written; nothing was left half written."""
+
+
+class OptimizeError(DdgError):
+    """An optimisation that missed its goals; says which, where, and what pulls against them.
+
+    Attributes
+    ----------
+    solution : what a solver reached, or None
+    result : what a recipe reached (`ddgfab.optimize.OptimizeResult`), or None; never silently taken
+    """
+
+    def __init__(
+        self, message: str, *, solution: object | None = None, result: object | None = None
+    ) -> None:
+        super().__init__(message)
+        self.solution = solution
+        self.result = result

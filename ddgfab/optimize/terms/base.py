@@ -1,0 +1,76 @@
+"""What terms have in common: rows that each depend on a few unknowns, always the same ones."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ddgfab.mesh import Floats, Ints
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LocalTerm(ABC):
+    """Residuals of which each depends on k unknowns.
+
+    A subclass says what the residuals are in terms of these alone: `values` and `gradients`.
+
+    Attributes
+    ----------
+    index : (m, k) the unknowns of each residual
+    factor : (m,) or a number, multiplies each residual (one over a length, a weight of a row)
+    """
+
+    name: str
+    index: Ints
+    factor: Floats | float = 1.0
+    weight: float = 1.0
+    hard: bool = False
+
+    @abstractmethod
+    def values(self, local: Floats) -> Floats:
+        """(m,) residuals from the (m, k) values of their unknowns."""
+
+    @abstractmethod
+    def gradients(self, local: Floats) -> Floats:
+        """(m, k) derivatives of the residuals by their unknowns."""
+
+    def residual(self, x: Floats) -> Floats:
+        """(m,) residuals at the unknowns x."""
+        return np.asarray(self.factor * self.values(x[self.index]))
+
+    def jacobian(self, x: Floats) -> csr_array:
+        """(m, n) derivative."""
+        rows, k = self.index.shape
+        slopes = np.asarray(self.factor)[..., None] * self.gradients(x[self.index])
+        return csr_array(
+            (slopes.ravel(), self.index.ravel(), np.arange(0, rows * k + 1, k)),
+            shape=(rows, len(x)),
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LinearTerm:
+    """Residuals A x - b with a fixed sparse matrix: closeness, fairness, fixed lines and planes."""
+
+    name: str
+    matrix: csr_array
+    target: Floats
+    weight: float = 1.0
+    hard: bool = False
+
+    def residual(self, x: Floats) -> Floats:
+        """(m,) residuals at the unknowns x."""
+        columns = self.matrix.shape[1]
+        return np.asarray(self.matrix @ x[:columns] - self.target)
+
+    def jacobian(self, x: Floats) -> csr_array:
+        """(m, n) derivative: the matrix, widened where blocks of unknowns were added."""
+        return widened(self.matrix, len(x))
+
+
+def widened(matrix: csr_array, columns: int) -> csr_array:
+    """The matrix with columns of zeros added at its right."""
+    return csr_array((matrix.data, matrix.indices, matrix.indptr), shape=(matrix.shape[0], columns))

@@ -1,0 +1,128 @@
+"""Planarity of polygons of any size, without auxiliary unknowns.
+
+With the vector area A of a polygon, corners h_i above the plane through the centroid across A
+cannot be any numbers: their sum vanishes, and so does sum h_i (x_(i+1) - x_(i-1)), since A has no
+part in its own plane. What is left has k - 3 dimensions for k corners. With a basis B of it the
+residuals are r = <A, sum_i B_i x_i> / |A|; they vanish just when the face is planar. For a quad
+B = (1, -1, 1, -1) / 2 and r is the signed distance of the diagonals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.optimize.terms.base import LocalTerm
+
+_QUAD = 4
+
+
+def polygon_corners(mesh: Mesh, size: int) -> tuple[Ints, Ints]:
+    """Faces with `size` corners: ids (n,) and vertex ids (n, size)."""
+    ids = np.flatnonzero(mesh.face_sizes == size)
+    return ids, mesh.corners[mesh.face_start[ids, None] + np.arange(size)]
+
+
+def mean_diagonals(mesh: Mesh, corners: Ints) -> Floats:
+    """(n,) mean length of the diagonals of polygons of one size, 4 or more."""
+    size = corners.shape[1]
+    a, b = np.triu_indices(size, 2)
+    a, b = a[(a > 0) | (b < size - 1)], b[(a > 0) | (b < size - 1)]  # 0 and last share a side
+    points = mesh.vertices[corners]
+    lengths: Floats = np.linalg.norm(points[:, a] - points[:, b], axis=2).mean(axis=1)
+    return lengths
+
+
+def vector_areas(points: Floats) -> Floats:
+    """(n, 3) vector areas of (n, k, 3) polygons."""
+    centred = points - points.mean(axis=1, keepdims=True)
+    return np.asarray(0.5 * np.cross(centred, np.roll(centred, -1, axis=1)).sum(axis=1))
+
+
+def _bases(points: Floats) -> Floats:
+    """(n, k - 3, k) bases of the possible heights of the corners of (n, k, 3) polygons."""
+    count, size = points.shape[:2]
+    if size == _QUAD:
+        return np.broadcast_to(np.array([[0.5, -0.5, 0.5, -0.5]]), (count, 1, 4))
+    across = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
+    area = vector_areas(points)
+    normal = area / np.linalg.norm(area, axis=1, keepdims=True)
+    across -= np.einsum("nkx,nx->nk", across, normal)[..., None] * normal[:, None]
+    reach = np.linalg.norm(across, axis=(1, 2))[:, None, None]
+    ones = np.full((count, 1, size), size**-0.5)
+    rows = np.concatenate([ones, across.transpose(0, 2, 1) / reach], axis=1)
+    return np.asarray(np.linalg.svd(rows, full_matrices=True)[2][:, 3:])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Planarity(LocalTerm):
+    """<A, sum_i B_i x_i> / |A| for polygons of one size; make with `planarity_terms`.
+
+    Attributes
+    ----------
+    basis : (m, k) the rows B
+    faces : (m,) face of each row
+    """
+
+    basis: Floats
+    faces: Ints
+
+    def values(self, local: Floats) -> Floats:
+        """(m,) residuals."""
+        points = local.reshape(len(local), -1, 3)
+        area = vector_areas(points)
+        offset = np.einsum("mk,mkx->mx", self.basis, points)
+        length = np.linalg.norm(area, axis=1)
+        return np.asarray(np.einsum("mx,mx->m", area, offset) / length)
+
+    def gradients(self, local: Floats) -> Floats:
+        """(m, 3k): B_i n + (x_(i-1) - x_(i+1)) x w' / 2|A| with w' the tangential offset."""
+        points = local.reshape(len(local), -1, 3)
+        area = vector_areas(points)
+        length = np.linalg.norm(area, axis=1)[:, None]
+        normal = area / length
+        offset = np.einsum("mk,mkx->mx", self.basis, points)
+        offset -= np.einsum("mx,mx->m", offset, normal)[:, None] * normal
+        # d<A, w'> = 1/2 sum <(x_(i+1) - x_(i-1)) x dx_i ... >: A is bilinear in the corners.
+        across = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
+        slope = self.basis[..., None] * normal[:, None]
+        slope += np.cross(across, (offset / (2 * length))[:, None])
+        return slope.reshape(len(local), -1)
+
+
+def planarity_terms(
+    mesh: Mesh,
+    faces: Sequence[int] | Ints | None = None,
+    *,
+    weight: float = 1.0,
+    hard: bool = True,
+) -> tuple[Planarity, ...]:
+    """Planarity of all faces with more than three corners, or of some: a term for each size.
+
+    Residuals are parts of the face's mean diagonal; for quads: distance of the diagonals.
+
+    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3; maths.md 1.3, 8.5.
+    """
+    chosen = np.zeros(mesh.n_faces, dtype=bool)
+    chosen[slice(None) if faces is None else np.asarray(faces, dtype=np.int64)] = True
+    terms = []
+    for size in np.unique(mesh.face_sizes[chosen & (mesh.face_sizes > 3)]).tolist():
+        ids, corners = polygon_corners(mesh, size)
+        ids, corners = ids[chosen[ids]], corners[chosen[ids]]
+        basis = _bases(mesh.vertices[corners]).reshape(-1, size)
+        index = np.repeat(3 * corners[..., None] + np.arange(3), size - 3, axis=0)
+        terms.append(
+            Planarity(
+                name="planarity" if size == _QUAD else f"planarity of {size}-gons",
+                index=index.reshape(len(basis), -1),
+                factor=np.repeat(1.0 / mean_diagonals(mesh, corners), size - 3),
+                weight=weight,
+                hard=hard,
+                basis=basis,
+                faces=np.repeat(ids, size - 3),
+            )
+        )
+    return tuple(terms)
