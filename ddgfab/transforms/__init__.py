@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ddgfab.transforms.christoffel import christoffel_dual
+from ddgfab.transforms.darboux import darboux, darboux_common, darboux_dual
 from ddgfab.transforms.moebius import Moebius, invert, invert_normals
 from ddgfab.transforms.parallel import (
     combescure,
@@ -12,7 +14,11 @@ from ddgfab.transforms.parallel import (
 
 __all__ = [
     "Moebius",
+    "christoffel_dual",
     "combescure",
+    "darboux",
+    "darboux_common",
+    "darboux_dual",
     "invert",
     "invert_normals",
     "nearest_parallel",
