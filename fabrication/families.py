@@ -17,10 +17,21 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ddgfab.mesh import Floats, Ints
-from fabrication.shapes import Variants, beam_variants, node_variants, panel_variants, shape_key
+from fabrication.linkage.congruence import fitting_variants, link_variants
+from fabrication.shapes import beam_variants, node_variants, panel_variants, shape_key
 from fabrication.specs import Family, Instance, Piece, Role
+from fabrication.variants import Variants
 
-PREFIX: Final[dict[Role, str]] = {"beam": "BP", "node": "NP", "panel": "PP"}
+PREFIX: Final[dict[Role, str]] = {
+    "beam": "BP",
+    "node": "NP",
+    "panel": "PP",
+    "link": "LP",
+    "pin": "HP",
+    "cap": "CP",
+    "spacer": "SP",
+    "coupon": "TP",
+}
 
 TIE: Final = 1e-6
 """Variants whose deviations differ by less [mm] count as equal, and the first is taken."""
@@ -38,11 +49,16 @@ VARIANTS: Final[dict[Role, Callable[[Sequence[Piece]], Variants]]] = {
     "beam": beam_variants,
     "node": node_variants,
     "panel": panel_variants,
+    "link": link_variants,
+    "pin": fitting_variants,
+    "cap": fitting_variants,
+    "spacer": fitting_variants,
+    "coupon": fitting_variants,
 }
 
 
 def families(pieces: Sequence[Piece], tolerance: float = 0.1) -> tuple[Family, ...]:
-    """Part numbers of the pieces: beams, nodes, panels, each in the order of its first member.
+    """Part numbers of the pieces: role by role, each role in the order of its first members.
 
     Each piece joins the first family whose first member it matches; the first member's shape is
     the family's. An instance's placement is for that shape; it differs from the piece's own where
@@ -53,11 +69,7 @@ def families(pieces: Sequence[Piece], tolerance: float = 0.1) -> tuple[Family, .
     tolerance : greatest distance [mm] of a characteristic point (corner, rim point, hole) of a
         member from where the family's shape puts it
     """
-    groups: dict[Role, dict[Hashable, list[int]]] = {
-        "beam": defaultdict(list),
-        "node": defaultdict(list),
-        "panel": defaultdict(list),
-    }
+    groups: dict[Role, dict[Hashable, list[int]]] = {role: defaultdict(list) for role in PREFIX}
     for index, piece in enumerate(pieces):
         good = all(check.passed for check in piece.checks)
         groups[piece.role][good, shape_key(piece.shape)].append(index)

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, cast
 
 import numpy as np
 
 from ddgfab.mesh import Floats
+from fabrication.linkage.congruence import linkage_key
 from fabrication.specs import BeamShape, EndCut, NodeShape, PanelShape, Piece, Profile, Shape
 from fabrication.standards.profiles import is_mirror, z_range
-
-DECIMALS: Final = 6
-"""Discrete dimensions (diameters, thicknesses) agree when equal to this many decimals of a mm."""
+from fabrication.variants import DECIMALS, Variants, key_of
 
 SYMMETRY: Final = 1e-6
 """A profile is symmetric when its mirror image agrees within this [mm]."""
@@ -23,45 +21,31 @@ ROUND: Final = 1e-3
 """Below this part of a polygon's size its first Fourier coefficient gives no direction."""
 
 
-@dataclass(frozen=True, eq=False)
-class Variants:
-    """Pieces of one key in the frames of their variants.
-
-    points : (N, m, P, d) characteristic points [mm]
-    turn : (N, m) angle [rad] about z, and shift (N, m, 3) [mm]: a point p of the shape has the
-        canonical coordinates rotate(p - shift, -turn)
-    """
-
-    points: Floats
-    turn: Floats
-    shift: Floats
-
-    def frame(self, piece: int, variant: int) -> Floats:
-        """(4, 4) motion from the shape's frame to the canonical frame of a variant."""
-        c, s = np.cos(self.turn[piece, variant]), np.sin(self.turn[piece, variant])
-        motion = np.eye(4)
-        motion[:2, :2] = [[c, s], [-s, c]]
-        motion[:3, 3] = -motion[:3, :3] @ self.shift[piece, variant]
-        return motion
-
-
 def shape_key(shape: Shape) -> Hashable:
     """What must agree exactly for two shapes to be congruent, however they are turned."""
     if isinstance(shape, BeamShape):
-        ends = (_key(shape.start.radius), _key(shape.end.radius))
-        holes = tuple((_key(hole.z), _key(hole.diameter)) for hole in shape.holes)
+        ends = (key_of(shape.start.radius), key_of(shape.end.radius))
+        holes = tuple((key_of(hole.z), key_of(hole.diameter)) for hole in shape.holes)
         return ("beam", _profile_key(shape.profile), ends, holes)
     if isinstance(shape, PanelShape):
         same = np.array_equal(shape.inner, shape.outer)
-        return ("panel", len(shape.inner), same, _key(shape.thickness), _key(shape.corner_radius))
-    mark = shape.mark and (_key(shape.mark.x), _key(shape.mark.diameter), _key(shape.mark.depth))
-    seats = tuple(sorted((_key(s.distance), _key(s.width)) for s in shape.seats))
-    drilled = tuple(sorted(_key(hole.diameter) for hole in shape.holes))
-    return ("node", _key(shape.radius), _key(shape.bore), mark, seats, drilled)
-
-
-def _key(value: float | None) -> float:
-    return -1.0 if value is None else round(value, DECIMALS)
+        return (
+            "panel",
+            len(shape.inner),
+            same,
+            key_of(shape.thickness),
+            key_of(shape.corner_radius),
+        )
+    if not isinstance(shape, NodeShape):
+        return linkage_key(shape)
+    mark = shape.mark and (
+        key_of(shape.mark.x),
+        key_of(shape.mark.diameter),
+        key_of(shape.mark.depth),
+    )
+    seats = tuple(sorted((key_of(s.distance), key_of(s.width)) for s in shape.seats))
+    drilled = tuple(sorted(key_of(hole.diameter) for hole in shape.holes))
+    return ("node", key_of(shape.radius), key_of(shape.bore), mark, seats, drilled)
 
 
 @lru_cache(maxsize=64)
@@ -111,7 +95,7 @@ def beam_variants(pieces: Sequence[Piece]) -> Variants:
         points = np.concatenate([points, back[:, None, :, None]], axis=1)
         turn = np.concatenate([turn, turn + np.pi], axis=1)
         shift = np.concatenate([shift, shift], axis=1)
-    return Variants(points, turn, shift)
+    return Variants.about_z(points, turn, shift)
 
 
 def panel_variants(pieces: Sequence[Piece]) -> Variants:
@@ -141,7 +125,7 @@ def panel_variants(pieces: Sequence[Piece]) -> Variants:
         turns.append(np.angle(turned))
     shift = np.zeros((len(shapes), count, 3))
     shift[:, :, 0], shift[:, :, 1] = centre.real[:, None], centre.imag[:, None]
-    return Variants(np.stack(points, axis=1), np.stack(turns, axis=1), shift)
+    return Variants.about_z(np.stack(points, axis=1), np.stack(turns, axis=1), shift)
 
 
 def node_variants(pieces: Sequence[Piece]) -> Variants:
@@ -157,7 +141,7 @@ def node_variants(pieces: Sequence[Piece]) -> Variants:
     seats = np.array([[seat.azimuth for seat in shape.seats] for shape in shapes])
     holes = np.array([[hole.azimuth for hole in shape.holes] for shape in shapes])
     levels = np.array([[hole.z - shape.z0 for hole in shape.holes] for shape in shapes])
-    depths = np.array([[_key(hole.depth) for hole in shape.holes] for shape in shapes])
+    depths = np.array([[key_of(hole.depth) for hole in shape.holes] for shape in shapes])
     turnable = len(first.seats) in (0, count) and len(first.holes) in (0, count)
     points, turns = [], []
     for k in range(count if turnable and count else 1):
@@ -175,7 +159,7 @@ def node_variants(pieces: Sequence[Piece]) -> Variants:
         turns.append(start)
     shift = np.zeros((n, len(turns), 3))
     shift[:, :, 2] = np.array([[shape.z0] for shape in shapes])
-    return Variants(np.stack(points, axis=1), np.stack(turns, axis=1), shift)
+    return Variants.about_z(np.stack(points, axis=1), np.stack(turns, axis=1), shift)
 
 
 def _ring(radius: float | Floats, azimuth: Floats, z: Floats) -> Floats:

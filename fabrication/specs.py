@@ -1,8 +1,9 @@
 """The waist of the hourglass: every part as plain numbers, before any CAD.
 
-A *shape* is what a shop makes, in a frame of its own; a *piece* (`Beam`, `Node`, `Panel`) is one
-part of the structure: its mark, where it belongs in the mesh, its shape and its placement.
-Millimetres and radians. Congruent pieces share a shape through `fabrication.families`.
+A *shape* is what a shop makes, in a frame of its own; a *piece* (`Beam`, `Node`, `Panel`; `Link`,
+`Pin`, `Fitting`) is one part of the structure: its mark, where it belongs in the mesh or mechanism,
+its shape and its placement. Millimetres and radians. Congruent pieces share a shape through
+`fabrication.families`. The shapes of linkages are in `fabrication.linkspecs`.
 """
 
 from __future__ import annotations
@@ -14,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ddgfab.mesh import Floats
+from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
 
-Role = Literal["beam", "node", "panel"]
+Role = Literal["beam", "node", "panel", "link", "pin", "cap", "spacer", "coupon"]
 Placement: TypeAlias = NDArray[np.float64]  # (4, 4) rigid motion from the part's frame to the world
 
 
@@ -147,7 +149,8 @@ class PanelShape:
     corner_radius: float = 0.0
 
 
-Shape: TypeAlias = BeamShape | NodeShape | PanelShape
+LinkageShape: TypeAlias = LinkShape | PinShape | RingShape | CouponShape
+Shape: TypeAlias = BeamShape | NodeShape | PanelShape | LinkageShape
 
 
 @dataclass(frozen=True)
@@ -232,7 +235,59 @@ class Panel:
     checks: tuple[Check, ...] = ()
 
 
-Piece: TypeAlias = Beam | Node | Panel
+@dataclass(frozen=True, eq=False)
+class Link:
+    """One bar of a linkage: bar id, its hinges and their pins' marks, strip and direction.
+
+    levels : of its eyes in the stacks at its two hinges, counted from 0 against the axes
+    """
+
+    mark: str
+    bar: int
+    hinges: tuple[int, int]
+    pins: tuple[str, str]
+    strip: int
+    direction: int
+    levels: tuple[int, int]
+    shape: LinkShape
+    placement: Placement
+    role: Role = field(default="link", init=False)
+    checks: tuple[Check, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Pin:
+    """The pin of one hinge: hinge id, position [mm] and unit axis in the design pose.
+
+    hinge : None for the test pin of the coupon
+    """
+
+    mark: str
+    hinge: int | None
+    position: Floats
+    axis: Floats
+    shape: PinShape
+    placement: Placement
+    role: Role = field(default="pin", init=False)
+    checks: tuple[Check, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Fitting:
+    """What else a kit holds: a cap or spacer on the pin of a hinge, or the clearance coupon.
+
+    hinge : None for the coupon
+    """
+
+    mark: str
+    role: Role
+    hinge: int | None
+    shape: RingShape | CouponShape
+    placement: Placement
+    checks: tuple[Check, ...] = ()
+
+
+Piece: TypeAlias = Beam | Node | Panel | Link | Pin | Fitting
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, get_args
 
 import numpy as np
 
@@ -24,7 +24,7 @@ Clearances: TypeAlias = Mapping[tuple[Role, Role], float]
 TOUCH: Final = 0.01
 """How much [mm] a gap may fall short of its limit, for rounding and for faces that touch."""
 
-_ROLES: Final[tuple[Role, ...]] = ("beam", "node", "panel")
+_ROLES: Final[tuple[Role, ...]] = get_args(Role)
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ def examine_assembly(
 
 
 def _limits(clearances: Clearances) -> Floats:
-    """(3, 3) least gap [mm] between two roles, numbered as in `_ROLES`."""
+    """(r, r) least gap [mm] between two roles, numbered as in `_ROLES`."""
     return np.array(
         [[clearances.get((a, b), clearances.get((b, a), 0.0)) for b in _ROLES] for a in _ROLES]
     )

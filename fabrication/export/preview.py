@@ -38,6 +38,7 @@ _LOOK: Final[dict[str, dict[str, float]]] = {
     "panel": {"ambient": 0.52, "diffuse": 0.52, "specular": 0.12, "specular_power": 6},
     FAILED: {"ambient": 0.45, "diffuse": 0.70, "specular": 0.10, "specular_power": 10},
 }
+_PRINTED: Final = {"ambient": 0.35, "diffuse": 0.75, "specular": 0.10, "specular_power": 8}
 _GLASS: Final = 0.42  # opacity of a pane; its far side is not drawn
 _GLASS_NEAR: Final = 0.30  # the same in the close-up
 _LIGHTS: Final = (((-0.8, 1.1, 0.6), 0.80), ((1.2, 0.3, 0.6), 0.35))  # right, up, back; strength
@@ -246,7 +247,7 @@ def _near_scene(pyvista: Any, pieces: Sequence[Placed]) -> list[tuple[Any, dict[
 def _appearance(role: str, look: str, glass: float) -> dict[str, Any]:
     """Arguments of `add_mesh` for a role and a look; panes are seen through."""
     pane = {"opacity": glass, "culling": "back"} if role == "panel" else {}
-    return {"color": _COLOURS[look], "smooth_shading": False, **_LOOK[look], **pane}
+    return {"color": _COLOURS[look], "smooth_shading": False, **_LOOK.get(look, _PRINTED), **pane}
 
 
 def _poly_data(pyvista: Any, vertices: Floats, triangles: Ints) -> Any:

@@ -16,6 +16,11 @@ COLOURS: Final[dict[str, tuple[float, float, float]]] = {
     "beam": (0.33, 0.36, 0.40),
     "node": (0.80, 0.42, 0.16),
     "panel": (0.45, 0.72, 0.74),
+    "link": (0.20, 0.45, 0.70),
+    "pin": (0.62, 0.64, 0.67),
+    "cap": (0.90, 0.62, 0.15),
+    "spacer": (0.86, 0.84, 0.78),
+    "coupon": (0.55, 0.70, 0.40),
     "failed": (0.85, 0.10, 0.10),
 }
 """sRGB colours of the roles, and of pieces that failed a check, 0..1."""
@@ -23,11 +28,20 @@ COLOURS: Final[dict[str, tuple[float, float, float]]] = {
 FAILED: Final = "failed"
 """The key in `COLOURS` of pieces that failed a check."""
 
-LAYERS: Final[dict[str, str]] = {"beam": "BEAMS", "node": "NODES", "panel": "PANELS"}
-"""Layers of the roles."""
-
-GROUPS: Final[dict[str, str]] = {"beam": "Beams", "node": "Nodes", "panel": "Panels"}
+GROUPS: Final[dict[str, str]] = {
+    "beam": "Beams",
+    "node": "Nodes",
+    "panel": "Panels",
+    "link": "Links",
+    "pin": "Pins",
+    "cap": "Caps",
+    "spacer": "Spacers",
+    "coupon": "Coupons",
+}
 """Sub-assemblies of the roles, in the order in which they appear."""
+
+LAYERS: Final[dict[str, str]] = {role: name.upper() for role, name in GROUPS.items()}
+"""Layers of the roles."""
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ def write_by_xcaf(
     set_name(root, name)
     labels = {product.number: add_product(document, product) for product in products}
     groups = {}
-    for role in GROUPS:
+    for role in (r for r in GROUPS if any(product.role == r for product in products)):
         group = groups[role] = shapes.NewShape()
         set_name(group, GROUPS[role])
         set_name(shapes.AddComponent(root, group, location(np.eye(4))), GROUPS[role])
