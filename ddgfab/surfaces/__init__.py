@@ -8,5 +8,47 @@ from ddgfab.surfaces.ellipsoid import (
     ellipsoid_patch,
     ellipsoid_umbilics,
 )
+from ddgfab.surfaces.k_closed import breather_lines, dini_lines, kuen_lines, pseudosphere_lines
+from ddgfab.surfaces.k_surfaces import (
+    KSurface,
+    amsler,
+    amsler_angle,
+    breather,
+    dini,
+    kuen,
+    pseudosphere,
+    surface_of,
+)
+from ddgfab.surfaces.sine_gordon import (
+    baecklund_angle,
+    breather_angle,
+    permute,
+    sine_gordon_defect,
+    soliton,
+    solitons,
+)
 
-__all__ = ["ellipsoid_curvatures", "ellipsoid_normals", "ellipsoid_patch", "ellipsoid_umbilics"]
+__all__ = [
+    "KSurface",
+    "amsler",
+    "amsler_angle",
+    "baecklund_angle",
+    "breather",
+    "breather_angle",
+    "breather_lines",
+    "dini",
+    "dini_lines",
+    "ellipsoid_curvatures",
+    "ellipsoid_normals",
+    "ellipsoid_patch",
+    "ellipsoid_umbilics",
+    "kuen",
+    "kuen_lines",
+    "permute",
+    "pseudosphere",
+    "pseudosphere_lines",
+    "sine_gordon_defect",
+    "soliton",
+    "solitons",
+    "surface_of",
+]

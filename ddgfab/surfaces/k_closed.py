@@ -1,0 +1,87 @@
+"""Closed forms of surfaces of curvature -1, not in asymptotic parameters; complex ones are taken.
+
+A second route to `ddgfab.surfaces.k_surfaces`, and oracles for Brioschi's formula: derivatives
+come by complex step. With asymptotic parameters p, q: the pseudosphere is at (q - p, p + q), the
+breather at (p - q, p + q), Kuen at (p + q, 2 atan exp(q - p)), Dini at (q cot(sigma / 2) -
+p tan(sigma / 2), -p - q), up to a motion. Source: maths.md 3.15.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ddgfab.errors import InputError
+
+Array: TypeAlias = NDArray[Any]  # float64, or complex128 where a parameter is complex
+
+
+def pseudosphere_lines(u: ArrayLike, v: ArrayLike) -> Array:
+    """(..., 3) points (sech u cos v, sech u sin v, u - tanh u); the cuspidal edge is u = 0."""
+    p, q = np.broadcast_arrays(u, v)
+    sech = 1.0 / np.cosh(p)
+    return np.stack([sech * np.cos(q), sech * np.sin(q), p - np.tanh(p)], axis=-1)
+
+
+def kuen_lines(u: ArrayLike, v: ArrayLike) -> Array:
+    """(..., 3) points of Kuen's surface, 0 < v < pi; cuspidal edges where u sin v = +-1."""
+    p, q = np.broadcast_arrays(u, v)
+    d = 1.0 + p * p * np.sin(q) ** 2
+    return np.stack(
+        [
+            2.0 * (np.cos(p) + p * np.sin(p)) * np.sin(q) / d,
+            2.0 * (np.sin(p) - p * np.cos(p)) * np.sin(q) / d,
+            np.log(np.tan(0.5 * q)) + 2.0 * np.cos(q) / d,
+        ],
+        axis=-1,
+    )
+
+
+def breather_lines(u: ArrayLike, v: ArrayLike, rate: float) -> Array:
+    """(..., 3) points of the breather that decays along u at a rate between 0 and 1.
+
+    Raises
+    ------
+    InputError
+        A rate that is not between 0 and 1.
+    """
+    if not 0.0 < rate < 1.0:
+        raise InputError(f"the rate of a breather is {rate:g}; it must lie between 0 and 1")
+    p, q = np.broadcast_arrays(u, v)
+    pulse = np.sqrt(1.0 - rate * rate)
+    cosh, sinh = np.cosh(rate * p), np.sinh(rate * p)
+    cos, sin = np.cos(pulse * q), np.sin(pulse * q)
+    d = rate * ((pulse * cosh) ** 2 + (rate * sin) ** 2)
+    factor = 2.0 * pulse * cosh / d
+    return np.stack(
+        [
+            -p + 2.0 * pulse**2 * cosh * sinh / d,
+            factor * (-pulse * np.cos(q) * cos - np.sin(q) * sin),
+            factor * (-pulse * np.sin(q) * cos + np.cos(q) * sin),
+        ],
+        axis=-1,
+    )
+
+
+def dini_lines(u: ArrayLike, v: ArrayLike, sigma: float = 0.5 * np.pi) -> Array:
+    """(..., 3) points of Dini's surface: the tractrix in u turned by v and raised with it.
+
+    Lines v = const are the tractrices; the lines u = const are helices across them at an angle, so
+    that F is not 0, and the parameters are no curvature lines unless sigma = pi / 2.
+
+    Raises
+    ------
+    InputError
+        sigma [rad] that is not between 0 and pi.
+
+    Source: the tractrix of length sin(sigma), pitch cos(sigma) a radian; sigma = pi / 2 is the
+    pseudosphere.
+    """
+    if not 0.0 < sigma < np.pi:
+        raise InputError(f"sigma = {sigma:g} rad; it must lie between 0 and pi")
+    s, c = np.sin(sigma), np.cos(sigma)
+    p, q = np.broadcast_arrays(u, v)
+    sech = s / np.cosh(p)
+    return np.stack([sech * np.cos(q), sech * np.sin(q), s * (p - np.tanh(p)) + c * q], axis=-1)
