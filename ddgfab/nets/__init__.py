@@ -5,6 +5,13 @@ A class of nets a module: what it is (measures), how it evolves, how it is gener
 
 from __future__ import annotations
 
+from ddgfab.nets.asymptotic import (
+    anet_from_moutard,
+    lelieuvre,
+    star_edges,
+    star_flatness,
+    tangent_normals,
+)
 from ddgfab.nets.axes import (
     axis_coplanarity,
     axis_intersections,
@@ -59,8 +66,15 @@ from ddgfab.nets.cubes import (
     seen_from_opposite,
 )
 from ddgfab.nets.grid import grid_mesh
+from ddgfab.nets.isothermic import (
+    cross_ratio_labels,
+    evolve_isothermic,
+    isothermic_point,
+    isothermic_residuals,
+)
 from ddgfab.nets.knet import CauchyData, KNet, knet, oriented_angle
 from ddgfab.nets.knet_evolve import evolve_spherical, spherical_fourth
+from ddgfab.nets.knet_recover import KNetRecovery, knet_from_mesh, recover_knet
 from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
 from ddgfab.nets.miquel import (
     evolve_circular,
@@ -70,6 +84,13 @@ from ddgfab.nets.miquel import (
 )
 from ddgfab.nets.monge import monge, profile_polyline
 from ddgfab.nets.moulding import moulding_net
+from ddgfab.nets.moutard import (
+    evolve_moutard,
+    evolve_tnet,
+    moutard_coefficients,
+    moutard_cube,
+    star_triangle,
+)
 from ddgfab.nets.registry import generate, kinds
 from ddgfab.nets.rotational import rotational_net
 from ddgfab.nets.translation import translation_net
@@ -77,6 +98,8 @@ from ddgfab.nets.translation import translation_net
 __all__ = [
     "CauchyData",
     "KNet",
+    "KNetRecovery",
+    "anet_from_moutard",
     "angle_balance",
     "angle_sum_defect",
     "axis_coplanarity",
@@ -103,6 +126,7 @@ __all__ = [
     "conjugate_residuals",
     "coordinate_surfaces",
     "cross_ratio",
+    "cross_ratio_labels",
     "cross_ratios",
     "cube_point",
     "cube_xi",
@@ -112,20 +136,29 @@ __all__ = [
     "evolve_circular",
     "evolve_circular_by_angles",
     "evolve_conjugate",
+    "evolve_isothermic",
+    "evolve_moutard",
     "evolve_nd",
     "evolve_spherical",
+    "evolve_tnet",
     "face_normals",
     "fourth_by_angle",
     "fourth_by_t",
     "generate",
     "grid_mesh",
     "interior_angles",
+    "isothermic_point",
+    "isothermic_residuals",
     "kinds",
     "knet",
+    "knet_from_mesh",
     "lattice",
+    "lelieuvre",
     "miquel_point",
     "monge",
     "moulding_net",
+    "moutard_coefficients",
+    "moutard_cube",
     "normals_closure",
     "oriented_angle",
     "phi",
@@ -135,12 +168,17 @@ __all__ = [
     "profile_polyline",
     "quad_volume_density",
     "quad_volumes",
+    "recover_knet",
     "rotational_net",
     "sample",
     "seen_from_opposite",
     "sphere_defect",
     "spherical_fourth",
     "stack_transforms",
+    "star_edges",
+    "star_flatness",
+    "star_triangle",
+    "tangent_normals",
     "translation_net",
     "vertex_normals",
 ]

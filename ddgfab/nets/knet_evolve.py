@@ -177,13 +177,13 @@ def integrate(m: Floats, r: float, origin: Floats) -> Floats:
     x[(0,) * d] = origin
     for k in range(d):
         # In the layer of the directions up to k, the later ones at zero.
-        edges = r * lelieuvre_edges(m[_layer(d, k, slice(None))], k)
-        start = x[_layer(d, k, slice(0, 1))]
-        x[_layer(d, k, slice(1, None))] = start + np.cumsum(edges, axis=k)
+        edges = r * lelieuvre_edges(m[layer(d, k, slice(None))], k)
+        start = x[layer(d, k, slice(0, 1))]
+        x[layer(d, k, slice(1, None))] = start + np.cumsum(edges, axis=k)
     return x
 
 
-def _layer(d: int, k: int, part: slice) -> tuple[slice | int, ...]:
+def layer(d: int, k: int, part: slice | int) -> tuple[slice | int, ...]:
     """Index of all of the directions before k, a part of k, the first of those after."""
     return tuple(slice(None) if a < k else part if a == k else 0 for a in range(d))
 

@@ -1,0 +1,205 @@
+"""A-nets, whose vertex stars are planar: tangent normals and Lelieuvre fields, both ways.
+
+Nets of asymptotic lines. A field L with Delta_k x = L_k x L for every direction k is normal to the
+net and fulfils the Moutard equation L_12 - L = a (L_2 - L_1); the net and its field, up to the
+factor s on even and 1 / s on odd vertices, determine each other. Source: Bobenko, Suris, Discrete
+Differential Geometry, 2.4; maths.md 3.1, 3.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ddgfab.errors import InputError
+from ddgfab.mesh import Floats
+from ddgfab.nets.cells import Place, finite, net_points, pairs
+from ddgfab.nets.knet_evolve import integrate, layer
+from ddgfab.nets.moutard import moutard_coefficients
+from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
+
+
+def star_edges(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Floats:
+    """(n1, ..., nd, 2 d, 3) unit edges from every vertex, forward then backward for each direction.
+
+    Edges that do not exist at the boundary are zero.
+
+    Parameters
+    ----------
+    points : (n1, ..., nd, 3)
+    periodic : d flags; by default all directions are open
+
+    Raises
+    ------
+    DegenerateError
+        An edge of no length; names direction and vertex.
+    """
+    x = net_points(points, 3)
+    d = x.ndim - 1
+    closed = (False,) * d if periodic is None else tuple(map(bool, periodic))
+    if len(closed) != d:
+        raise InputError(f"{len(closed)} flags for the {d} directions of the net")
+    out = np.zeros((*x.shape[:-1], 2 * d, 3))
+    for k in range(d):
+        edges = np.roll(x, -1, axis=k) - x
+        length = np.sqrt(np.einsum("...i,...i->...", edges, edges))
+        lengths, rows = np.moveaxis(length, k, 0), np.moveaxis(edges, k, 0)
+        if not closed[k]:
+            lengths, rows = lengths[:-1], rows[:-1]
+        scale = float(np.abs(x).max()) if x.size else 0.0
+
+        def cell(index: tuple[int, ...], k: int = k) -> tuple[int, ...]:
+            return (*index[1 : k + 1], index[0], *index[k + 1 :])
+
+        Place(cell, f"edge of direction {k} at vertex").refuse(
+            lengths <= RELATIVE_DEGENERATE * scale,
+            f"it has no length, limit {RELATIVE_DEGENERATE * scale:g}",
+            lengths,
+        )
+        unit = rows / lengths[..., None]
+        target = np.moveaxis(out, k, 0)
+        count = len(unit)
+        target[:count, ..., 2 * k, :] = unit
+        ends = (np.arange(count) + 1) % x.shape[k]
+        target[ends, ..., 2 * k + 1, :] = -unit
+    return out
+
+
+def star_flatness(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Floats:
+    """(n1, ..., nd) smallest singular value of the unit edges at every vertex; 0: planar star.
+
+    About the sine by which edges leave the best tangent plane. All zero: an A-net.
+
+    Raises
+    ------
+    DegenerateError
+        An edge of no length; names direction and vertex.
+
+    Source: maths.md 3.1.
+    """
+    values: Floats = np.linalg.svd(star_edges(points, periodic), compute_uv=False)
+    return values[..., 2] if values.shape[-1] > 2 else np.zeros(values.shape[:-1])
+
+
+def tangent_normals(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Floats:
+    """(n1, ..., nd, 3) unit normals of the best tangent planes of vertex stars.
+
+    On the side of Delta_0 x times Delta_1 x, summed over the quads at the vertex. Where a net
+    folds over this jumps; `lelieuvre` and `recover_knet` choose signs along edges instead.
+
+    Raises
+    ------
+    DegenerateError
+        A vertex whose edges are parallel to each other, an edge of no length; names it.
+
+    Source: maths.md 3.1.
+    """
+    stars = star_edges(points, periodic)
+    _, values, rows = np.linalg.svd(stars)
+    second = values[..., 1]
+    Place(name="vertex").refuse(
+        second <= RELATIVE_DEGENERATE * 1e2,
+        f"all edges are parallel, there is no tangent plane: second singular value, limit "
+        f"{RELATIVE_DEGENERATE * 1e2:g}",
+        second,
+    )
+    normals = rows[..., 2, :]
+    forward, back = stars[..., 0, :] - stars[..., 1, :], stars[..., 2, :] - stars[..., 3, :]
+    side = np.einsum("...i,...i->...", normals, np.cross(forward, back))
+    return np.asarray(np.where(side[..., None] < 0, -normals, normals))
+
+
+def lelieuvre(points: ArrayLike, scale: float = 1.0, *, limit: float = NET_INPUT) -> Floats:
+    """(n1, ..., nd, 3) Lelieuvre field L of an A-net: Delta_k x = L_k x L.
+
+    Parameters
+    ----------
+    points : (n1, ..., nd, 3) A-net, at least one quad
+    scale : length of L at the first vertex, along `tangent_normals`; it multiplies L at even and
+        divides it at odd vertices
+    limit : greatest `star_flatness` that counts as an A-net
+
+    Raises
+    ------
+    InputError
+        No A-net: names the vertex and its flatness. A scale that is zero or not finite.
+    DegenerateError
+        An edge of no length, edges all parallel at a vertex, normals parallel along an edge.
+
+    Source: maths.md 3.2.
+    """
+    x = net_points(points, 3)
+    if not (np.isfinite(scale) and scale != 0):
+        raise InputError(f"scale {scale}: a number other than zero is needed")
+    flatness = star_flatness(x)
+    if not flatness.max() <= limit:
+        at = tuple(int(i) for i in np.unravel_index(int(flatness.argmax()), flatness.shape))
+        raise InputError(
+            f"no A-net: the edges at vertex {at} leave their plane by {flatness[at]:.3g} "
+            f"(smallest singular value of the unit edges, limit {limit:g})"
+        )
+    nu = tangent_normals(x)
+    d = x.ndim - 1
+    out = np.empty_like(x)
+    out[(0,) * d] = scale * nu[(0,) * d]
+    for k in range(d):
+        # From the layer of the directions before k into direction k, a layer at a time.
+        tail = (0,) * (d - k - 1)
+        for i in range(1, x.shape[k]):
+            here, last = layer(d, k, i), layer(d, k, i - 1)
+            c = np.cross(nu[here], out[last])
+            square = np.einsum("...i,...i->...", c, c)
+            known = np.einsum("...i,...i->...", out[last], out[last])
+
+            def cell(
+                index: tuple[int, ...], i: int = i, tail: tuple[int, ...] = tail
+            ) -> tuple[int, ...]:
+                return (*index, i - 1, *tail)
+
+            Place(cell, f"edge of direction {k} at vertex").refuse(
+                square <= RELATIVE_DEGENERATE**2 * known,
+                f"its normals are parallel: sine, limit {RELATIVE_DEGENERATE:g}",
+                np.sqrt(square / known),
+            )
+            e = x[here] - x[last]
+            factor = np.einsum("...i,...i->...", e, c) / square
+            out[here] = factor[..., None] * nu[here]
+    return out
+
+
+def anet_from_moutard(
+    field: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0), *, limit: float = NET_INPUT
+) -> Floats:
+    """(n1, ..., nd, 3) A-net with a Lelieuvre field: Delta_k x = L_k x L.
+
+    Parameters
+    ----------
+    field : (n1, ..., nd, 3) T-net (`evolve_moutard`, `evolve_tnet`, `evolve_spherical`)
+    origin : (3,) first point
+    limit : greatest relative violation of the Moutard equation
+
+    Raises
+    ------
+    InputError
+        No T-net, so quads do not close: names the quad and how much it misses.
+
+    Source: maths.md 3.2.
+    """
+    L = net_points(field, 3)
+    start = np.array(origin, dtype=np.float64)
+    if start.shape != (3,):
+        raise InputError(f"origin has shape {start.shape}; (3,) is needed")
+    finite(start, "origin")
+    for axes in pairs(L):
+        if min(L.shape[axes[0]], L.shape[axes[1]]) < 2:
+            continue
+        gap = moutard_coefficients(L, axes)[1]
+        if gap.max() > limit:
+            at = tuple(int(i) for i in np.unravel_index(int(gap.argmax()), gap.shape))
+            raise InputError(
+                f"no T-net: quad {at} of directions {axes} misses the Moutard equation by "
+                f"{gap[at]:.3g} (relative, limit {limit:g})"
+            )
+    return integrate(L, 1.0, start)
