@@ -50,7 +50,7 @@ _DOT: Final = 5.0  # a node is at least so many of the 1600 pixels wide
 _FINE: Final = 0.008  # nodes narrower than this part of the picture are seen as such dots
 _LINE: Final = 0.8  # lines along beams are so much darker
 _CREASE_DEG: Final = 25.0  # edges sharper than this are drawn in the close-up
-_ADVICE: Final = "; on Linux without a display VTK needs libEGL or libOSMesa (apt install libegl1)"
+ADVICE: Final = "; on Linux without a display VTK needs libEGL or libOSMesa (apt install libegl1)"
 
 
 def write_preview(
@@ -105,7 +105,7 @@ def render(
     except ImportError as error:
         raise OutputError(f"rendering needs pyvista: pip install pyvista ({error})") from error
     except (RuntimeError, OSError, AttributeError) as error:
-        raise OutputError(f"this machine cannot render ({error}){_ADVICE}") from error
+        raise OutputError(f"this machine cannot render ({error}){ADVICE}") from error
 
 
 def preview_png(families: Sequence[Family], *, size: tuple[int, int] = SIZE) -> bytes:
