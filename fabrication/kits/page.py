@@ -161,8 +161,7 @@ def _range(scene: MovingScene) -> Floats:
         low = np.minimum(low, points.min(axis=(0, 1)))
         high = np.maximum(high, points.max(axis=(0, 1)))
     air = AIR * float((high - low).max())
-    box: Floats = np.round(np.stack([low - air, high + air], axis=1), 2)
-    return box
+    return np.asarray(np.round(np.stack([low - air, high + air], axis=1), 2), dtype=np.float64)
 
 
 def _box(body: TriangleMesh) -> tuple[Floats, Floats]:

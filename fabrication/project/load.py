@@ -30,9 +30,24 @@ def load_project(
         key, value, limit, and the nearest known key.
     """
     file = Path(path)
+    values, text = read_toml(file)
+    for section, keys in (changes or {}).items():
+        own = values.get(section, {})
+        values[section] = {**own, **keys} if isinstance(own, Mapping) else own
+    return _project(values, file=file, text=text)
+
+
+def read_toml(file: Path) -> tuple[dict[str, Any], str]:
+    """The values of a TOML file, and its text.
+
+    Raises
+    ------
+    ProjectError
+        Missing, not UTF-8, or no TOML; names file and line.
+    """
     try:
         text = file.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
-        values = tomllib.loads(text)
+        return tomllib.loads(text), text
     except OSError as error:
         raise ProjectError(f"cannot be read: {error.strerror}", file=str(file)) from None
     except UnicodeDecodeError as error:
@@ -41,10 +56,6 @@ def load_project(
         found = re.search(r"line (\d+)", str(error))
         line = int(found[1]) if found else text.count("\n") + 1
         raise ProjectError(f"is not TOML: {error}", file=str(file), line=line) from None
-    for section, keys in (changes or {}).items():
-        own = values.get(section, {})
-        values[section] = {**own, **keys} if isinstance(own, Mapping) else own
-    return _project(values, file=file, text=text)
 
 
 def project_for_mesh(path: str | Path, sections: Mapping[str, Any] | None = None) -> Project:
@@ -74,14 +85,7 @@ def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project
     for section, why in LATER.items():
         if section in values:
             raise ProjectError(f"[{section}] {why}", file=name, line=find_line(text, (section,)))
-    known = set(Project.model_fields) - {"file"}
-    for section, content in values.items():
-        at = find_line(text, (section,))
-        if section not in known:
-            raise ProjectError(_unknown(f"[{section}]", section, known), file=name, line=at)
-        if not isinstance(content, Mapping):
-            raise ProjectError(f"{section} must be a section [{section}]", file=name, line=at)
-    sections = {key: dict(content) for key, content in values.items()}
+    sections = sections_in(values, Project, name, text)
     try:
         if "net" not in sections:
             raise ProjectError('a project needs [net] kind = "mesh", file = "..."', file=name)
@@ -96,13 +100,33 @@ def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project
                 )
         elif "parameters" in sections["net"]:
             raise ProjectError(
-                _unknown("[net] parameters", "parameters", {"kind", "file"}),
+                unknown("[net] parameters", "parameters", {"kind", "file"}),
                 file=name,
                 line=find_line(text, ("net", "parameters")),
             )
         return Project.model_validate({**sections, "file": file}, strict=None)
     except ValidationError as error:
-        raise _explain(error, name, text) from None
+        raise explain(error, Project, name, text) from None
+
+
+def sections_in(
+    values: Mapping[str, Any], model: type[BaseModel], name: str | None, text: str
+) -> dict[str, dict[str, Any]]:
+    """The sections of a file, each one that the model knows.
+
+    Raises
+    ------
+    ProjectError
+        An unknown section, or a value where a section must be.
+    """
+    known = set(model.model_fields) - {"file"}
+    for section, content in values.items():
+        at = find_line(text, (section,))
+        if section not in known:
+            raise ProjectError(unknown(f"[{section}]", section, known), file=name, line=at)
+        if not isinstance(content, Mapping):
+            raise ProjectError(f"{section} must be a section [{section}]", file=name, line=at)
+    return {key: dict(content) for key, content in values.items()}
 
 
 def _generated(net: dict[str, Any], name: str | None, text: str) -> dict[str, Any]:
@@ -135,8 +159,10 @@ def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
     return place
 
 
-def _explain(error: ValidationError, name: str | None, text: str) -> ProjectError:
-    """One message for the first mistakes of a validation (at most three lines)."""
+def explain(
+    error: ValidationError, model: type[BaseModel], name: str | None, text: str
+) -> ProjectError:
+    """One message for the first mistakes of a model's validation (at most three lines)."""
     lines: list[str] = []
     first: int | None = None
     seen: set[tuple[str | int, ...]] = set()
@@ -150,7 +176,7 @@ def _explain(error: ValidationError, name: str | None, text: str) -> ProjectErro
         line = find_line(text, path[:2])
         first = first or line
         if problem["type"] == "extra_forbidden":
-            message = _unknown(key, str(path[1]), _section_keys(str(path[0])))
+            message = unknown(key, str(path[1]), _section_keys(model, str(path[0])))
         else:
             message = _value_problem(
                 key, path, problem, [p for p in problems if p["loc"][:2] == path[:2]]
@@ -181,16 +207,17 @@ def _show(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _section_keys(section: str) -> set[str]:
-    model = Project.model_fields[section].annotation
-    if model is Net:
+def _section_keys(model: type[BaseModel], section: str) -> set[str]:
+    own = model.model_fields[section].annotation
+    if own is Net:
         return {"kind", "file"}
-    assert isinstance(model, type)
-    assert issubclass(model, BaseModel)
-    return set(model.model_fields)
+    assert isinstance(own, type)
+    assert issubclass(own, BaseModel)
+    return set(own.model_fields)
 
 
-def _unknown(shown: str, word: str, known: set[str]) -> str:
+def unknown(shown: str, word: str, known: set[str]) -> str:
+    """What is said of an unknown word: the nearest known one, or all."""
     near = nearest(word, sorted(known), 1)
     hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(sorted(known))}"
     return f"{shown} is unknown; {hint}"
