@@ -2,6 +2,15 @@
 
 from __future__ import annotations
 
+from ddgfab.curvature.cotangent import (
+    angle_defects,
+    area_gradient,
+    cotangent_laplacian,
+    cotangent_mean_curvature,
+    mean_curvature_vectors,
+    mixed_vertex_areas,
+    triangulate,
+)
 from ddgfab.curvature.intrinsic import (
     MetricJet,
     brioschi,
@@ -9,15 +18,35 @@ from ddgfab.curvature.intrinsic import (
     metric_of,
     net_curvature,
 )
+from ddgfab.curvature.least_area import (
+    AssociatedFamily,
+    LeastArea,
+    associated_family,
+    minimise_area,
+)
 from ddgfab.curvature.skew import knet_curvature, skew_curvature, unit_curvature_scale
+from ddgfab.curvature.steiner import Curvatures, steiner_curvatures
 
 __all__ = [
+    "AssociatedFamily",
+    "Curvatures",
+    "LeastArea",
     "MetricJet",
+    "angle_defects",
+    "area_gradient",
+    "associated_family",
     "brioschi",
+    "cotangent_laplacian",
+    "cotangent_mean_curvature",
     "gauss_curvature",
     "knet_curvature",
+    "mean_curvature_vectors",
     "metric_of",
+    "minimise_area",
+    "mixed_vertex_areas",
     "net_curvature",
     "skew_curvature",
+    "steiner_curvatures",
+    "triangulate",
     "unit_curvature_scale",
 ]

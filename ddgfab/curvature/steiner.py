@@ -1,0 +1,86 @@
+"""Mean and Gaussian curvature of a mesh with a parallel Gauss image, by Steiner's formula.
+
+A(f + t sigma) = A(f) + 2 t A(f, sigma) + t^2 A(sigma) = A(f) (1 - 2 H t + K t^2).
+Source: Bobenko, Pottmann, Wallner 2010, A curvature theory for discrete surfaces based on mesh
+parallelity; maths.md 8.2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ddgfab.errors import DegenerateError, MeshError
+from ddgfab.measures import mixed_areas, oriented_areas
+from ddgfab.mesh import Floats, Mesh
+from ddgfab.tolerances import RELATIVE_DEGENERATE
+
+PARALLEL_SINE: Final = 1e-6
+"""Edges of a Gauss image may turn away from the mesh's by this sine."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curvatures:
+    """Mean and Gaussian curvature of each face (F,), by the unit of length and its square.
+
+    A sphere of radius R whose normals point outward has H = -1 / R, K = 1 / R^2.
+    """
+
+    mean: Floats
+    gauss: Floats
+
+    @property
+    def principal(self) -> tuple[Floats, Floats]:
+        """(F,) principal curvatures H +- sqrt(H^2 - K), larger first.
+
+        Equal ones where the root would be imaginary: H^2 < K happens on meshes that are not
+        circular, conical or Koebe.
+        """
+        root = np.sqrt(np.maximum(self.mean**2 - self.gauss, 0.0))
+        return self.mean + root, self.mean - root
+
+
+def steiner_curvatures(mesh: Mesh, gauss_image: ArrayLike) -> Curvatures:
+    """H = -A(f, sigma) / A(f) and K = A(sigma) / A(f) of every face.
+
+    Parameters
+    ----------
+    gauss_image : (V, 3) vertices sigma of a mesh parallel to this one: unit normals of a circular
+        net, vertices of the Koebe polyhedron of an s-isothermic one, ...
+
+    Raises
+    ------
+    MeshError
+        A Gauss image of the wrong shape, or whose edges are not parallel; names the edge.
+    DegenerateError
+        A face without area; names it.
+
+    Source: maths.md 8.2 (with K = +A(sigma) / A(f), as Steiner's formula says).
+    """
+    sigma = np.asarray(gauss_image, dtype=np.float64)
+    if sigma.shape != mesh.vertices.shape:
+        raise MeshError(f"the Gauss image has shape {sigma.shape}; {mesh.vertices.shape} needed")
+    image = sigma[mesh.edges[:, 1]] - sigma[mesh.edges[:, 0]]
+    length = np.linalg.norm(image, axis=1)
+    turned = np.linalg.norm(np.cross(mesh.edge_vectors, image), axis=1)
+    # Short edges of the image are measured by its size: their direction means nothing.
+    size = float(length.max(initial=0.0))
+    off = turned > PARALLEL_SINE * mesh.edge_lengths * np.maximum(length, PARALLEL_SINE * size)
+    if off.any():
+        edge = int(np.argmax(off))
+        sine = turned[edge] / (mesh.edge_lengths[edge] * length[edge])
+        a, b = mesh.edges[edge]
+        raise MeshError(
+            f"the Gauss image is not parallel: its edge {edge} ({a}-{b}) turns away from the "
+            f"mesh's by a sine of {sine:.2g} (limit {PARALLEL_SINE:g})"
+        )
+    area = oriented_areas(mesh)
+    longest = np.maximum.reduceat(mesh.edge_lengths[mesh.corner_edge], mesh.face_start[:-1])
+    flat = np.flatnonzero(~(area > RELATIVE_DEGENERATE * longest**2))
+    if len(flat):
+        raise DegenerateError(f"face {flat[0]} has area {area[flat[0]]:.3g}: no curvature there")
+    mixed = mixed_areas(mesh, mesh.vertices, sigma)
+    return Curvatures(-mixed / area, oriented_areas(mesh, sigma) / area)
