@@ -132,7 +132,7 @@ def test_family_of_the_catenoid_strip_is_isometric() -> None:
 
 
 def test_curvature_of_meshes_inscribed_in_a_sphere_is_exact() -> None:
-    """Without obtuse triangles: R = 2, so the vectors are 2 / R outward and H = -1 / 2."""
+    """Without obtuse triangles <x_i, grad_i A> = 1/4 sum (cot + cot)|x_i - x_j|^2 = 2 A_i."""
     u = np.linspace(-0.5, 0.5, 11)
     first, second = np.meshgrid(u, u, indexing="ij")
     plane = first - 0.5 * second, 0.75**0.5 * second  # sheared towards equilateral triangles
@@ -140,7 +140,8 @@ def test_curvature_of_meshes_inscribed_in_a_sphere_is_exact() -> None:
     mesh = triangulate(grid_mesh(2 * grid / np.linalg.norm(grid, axis=-1, keepdims=True)))
     inner = ~mesh.boundary_vertex
     vectors = mean_curvature_vectors(mesh)
-    np.testing.assert_allclose(vectors[inner], mesh.vertices[inner] / 2, rtol=1e-10, atol=1e-12)
+    outward = np.einsum("vi,vi->v", vectors, mesh.vertices)[inner]
+    np.testing.assert_allclose(outward, 2.0, rtol=1e-12)
     h = cotangent_mean_curvature(mesh)
     assert np.isnan(h[~inner]).all()
     np.testing.assert_allclose(h[inner], -0.5, rtol=1e-6)  # measured along the vertex normals
