@@ -1,0 +1,20 @@
+"""Linkages: kinematics of Bennett isograms, cubes, whole K-nets and closed rotational nets."""
+
+from ddgfab.linkages.bennett import bennett
+from ddgfab.linkages.cube import cube
+from ddgfab.linkages.flex import flex
+from ddgfab.linkages.mechanism import Mechanism, Pose, bar_lengths, signed_twists
+from ddgfab.linkages.mobility import mobility
+from ddgfab.linkages.whole import knet_mechanism
+
+__all__ = [
+    "Mechanism",
+    "Pose",
+    "bar_lengths",
+    "bennett",
+    "cube",
+    "flex",
+    "knet_mechanism",
+    "mobility",
+    "signed_twists",
+]

@@ -1,0 +1,196 @@
+"""Mechanism: hinges and rigid bars that move with one driving angle; poses, placements, speeds.
+
+A vertex of a K-net is a hinge, its normal the hinge's axis; an edge is a bar, which carries two
+hinge axes perpendicular to it. Source: maths.md 4, 11; Bobenko, Pinkall 1996; Wunderlich 1951.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ddgfab.errors import InputError
+from ddgfab.linkages.cauchy import Numbers, dots
+from ddgfab.mesh import Floats, Ints
+
+COMPLEX_STEP = 1e-30
+"""Imaginary part of the parameter in exact derivatives; its square vanishes beside one."""
+
+END_SLACK = 1e-12
+"""Driving angles may exceed the limits by this [rad], for rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Where the hinges are: one pose, or a stack of T poses with a leading axis.
+
+    Attributes
+    ----------
+    points : (V, 3) or (T, V, 3) foot point of each hinge on its axis [mm]: the K-net's vertex
+    axes : (V, 3) or (T, V, 3) unit hinge axes: the K-net's normals, continuous in t
+    """
+
+    points: Floats
+    axes: Floats
+
+    def __getitem__(self, index: int | slice) -> Pose:
+        """One pose of a stack, or a part of it."""
+        return Pose(self.points[index], self.axes[index])
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """Upper bounds over |t - t_0| <= h, in the drive's own frame, for T intervals at once.
+
+    acceleration : (T, V) of |x''(t)| of each hinge point [mm/rad^2]
+    spin_rate : (T, E) of the rate of change of each bar's angular velocity [1/rad]
+    spin : (T, E) of each bar's angular velocity [rad per rad of the driving angle]
+    proven : whether they are proven (up to rounding) or estimated from samples
+    """
+
+    acceleration: Floats
+    spin_rate: Floats
+    spin: Floats
+    proven: bool = True
+
+
+class Drive(Protocol):
+    """How hinges follow the driving angle, in a frame of its own."""
+
+    def place(self, ts: Numbers) -> tuple[Numbers, Numbers]:
+        """Points and unit axes, (T, V, 3) each; analytic in the (T,) parameters."""
+
+    def bounds(self, ts: Floats, half: Floats) -> Bounds:
+        """Bounds over |t - ts| <= half, (T,) each."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mechanism:
+    """Rigid bars on hinges, with one driving angle t. Millimetres and radians.
+
+    Make one with `bennett`, `cube`, `knet_mechanism` or `crab_mechanism`.
+
+    Attributes
+    ----------
+    kind : "bennett", "cube", "knet" or "crab"
+    bars : (E, 2) hinge ids (i, j). Frame of a bar: origin x_i, x axis along x_j - x_i, z along the
+        axis of hinge i
+    lengths : (E,) distances of the hinge points [mm]
+    twists : (E,) signed angles about x_j - x_i from the axis of hinge i to that of hinge j [rad]
+    strips : (E,) bars of a strip are congruent, up to levels
+    directions : (E,) lattice direction 0, 1, 2
+    cells : (F, 4) hinge ids of every isogram, in order around it
+    mobility : degrees of freedom, by the rank of the linkage Jacobian in the design pose
+    driver : what the driving angle is
+    limits : open interval of the driving angle
+    design : driving angle of the design pose
+    dead_points : driving angles at which isograms are folded, and which
+    path : how the other degrees of freedom are held
+    drive : how the hinges follow the driving angle
+    """
+
+    kind: str
+    bars: Ints
+    lengths: Floats
+    twists: Floats
+    strips: Ints
+    directions: Ints
+    cells: Ints
+    mobility: int
+    driver: str
+    limits: tuple[float, float]
+    design: float
+    dead_points: tuple[tuple[float, str], ...]
+    path: str
+    drive: Drive
+
+    @property
+    def n_hinges(self) -> int:
+        """Number of hinges V."""
+        return int(self.bars.max()) + 1
+
+    @property
+    def n_bars(self) -> int:
+        """Number of bars E."""
+        return len(self.bars)
+
+    def __repr__(self) -> str:
+        return (
+            f"Mechanism({self.kind}: {self.n_bars} bars on {self.n_hinges} hinges, "
+            f"mobility {self.mobility})"
+        )
+
+    def pose(self, t: float) -> Pose:
+        """The pose at one driving angle [rad]; see `poses`."""
+        return self.poses([t])[0]
+
+    def poses(self, ts: ArrayLike) -> Pose:
+        """Stacked poses at (T,) driving angles [rad], in the frame of bar 0, which stays fixed.
+
+        Raises
+        ------
+        InputError
+            A driving angle outside the limits.
+        """
+        angles = self.check(ts)
+        points, axes = self.drive.place(angles)
+        ground = self._frames(points, axes, self.bars[:1])[:, 0]
+        turn, origin = ground[:, :3, :3], ground[:, :3, 3]
+        return Pose((points - origin[:, None]) @ turn, axes @ turn)
+
+    def check(self, ts: ArrayLike) -> Floats:
+        """(T,) driving angles, all within the limits, or `InputError`."""
+        angles = np.atleast_1d(np.asarray(ts, dtype=np.float64))
+        low, high = self.limits
+        bad = ~((angles >= low - END_SLACK) & (angles <= high + END_SLACK))
+        if bad.any():
+            raise InputError(
+                f"driving angle {np.degrees(angles[np.argmax(bad)]):.3f} deg is outside its limits "
+                f"{np.degrees(low):.3f} to {np.degrees(high):.3f} deg ({self.driver})"
+            )
+        return angles
+
+    def bar_frames(self, pose: Pose) -> Floats:
+        """(E, 4, 4) or (T, E, 4, 4) placements of the bars; see `bars` for the frame of a bar."""
+        return np.asarray(self._frames(pose.points, pose.axes, self.bars))
+
+    @staticmethod
+    def _frames(points: Numbers, axes: Numbers, bars: Ints) -> Numbers:
+        """Placements (..., E, 4, 4) of bars, analytic in the points and axes."""
+        start, end = points[..., bars[:, 0], :], points[..., bars[:, 1], :]
+        x = end - start
+        x = x / np.sqrt(dots(x, x))
+        z = axes[..., bars[:, 0], :]
+        frames = np.zeros((*x.shape[:-1], 4, 4), dtype=x.dtype)
+        frames[..., :3, 0], frames[..., :3, 1], frames[..., :3, 2] = x, np.cross(z, x), z
+        frames[..., :3, 3], frames[..., 3, 3] = start, 1.0
+        return frames
+
+    def moving_frames(self, ts: ArrayLike) -> tuple[Floats, Floats]:
+        """Placements of the bars in the drive's own frame and their derivatives by t.
+
+        Returns
+        -------
+        frames, rates : (T, E, 4, 4), exact derivatives by the complex step
+        """
+        angles = self.check(ts)
+        points, axes = self.drive.place(angles + 1j * COMPLEX_STEP)
+        frames = self._frames(points, axes, self.bars)
+        return frames.real.copy(), frames.imag / COMPLEX_STEP
+
+
+def signed_twists(pose: Pose, bars: Ints) -> Floats:
+    """(E,) angle from the axis of hinge i to that of hinge j about x_j - x_i [rad], in (-pi, pi]."""
+    i, j = bars.T
+    edge = pose.points[j] - pose.points[i]
+    edge /= np.linalg.norm(edge, axis=-1, keepdims=True)
+    sine = np.einsum("ei,ei->e", edge, np.cross(pose.axes[i], pose.axes[j]))
+    return np.arctan2(sine, np.einsum("ei,ei->e", pose.axes[i], pose.axes[j]))
+
+
+def bar_lengths(pose: Pose, bars: Ints) -> Floats:
+    """(E,) distances of the hinge points of every bar."""
+    return np.asarray(np.linalg.norm(pose.points[bars[:, 1]] - pose.points[bars[:, 0]], axis=-1))

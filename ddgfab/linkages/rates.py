@@ -1,0 +1,1 @@
+"""Bounds on the speeds and accelerations of a lattice of isograms."""
