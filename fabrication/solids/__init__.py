@@ -8,15 +8,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from fabrication.linkspecs import LinkShape, PinShape, RingShape
 from fabrication.solids.beam import beam_boundary, beam_is_exact
 from fabrication.solids.boundary import Boundary
+from fabrication.solids.coupon import coupon_boundary, coupon_volume
 from fabrication.solids.kernel import is_valid, kernel_properties, load_kernel, solid_from
+from fabrication.solids.link import link_boundary, link_volume
 from fabrication.solids.node import drills, node_boundary, node_is_exact
 from fabrication.solids.panel import panel_boundary
+from fabrication.solids.pin import pin_boundary, pin_volume, ring_boundary, ring_volume
 from fabrication.solids.properties import properties
 from fabrication.solids.quadrature import beam_volume, node_volume, panel_volume
 from fabrication.solids.tessellate import CHORD, tessellate
-from fabrication.specs import BeamShape, NodeShape, Properties, Shape, TriangleMesh
+from fabrication.specs import (
+    BeamShape,
+    LinkageShape,
+    NodeShape,
+    PanelShape,
+    Properties,
+    Shape,
+    TriangleMesh,
+)
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Solid
@@ -55,18 +67,29 @@ def boundary_of(shape: Shape) -> Boundary | None:
         return beam_boundary(shape) if beam_is_exact(shape) else None
     if isinstance(shape, NodeShape):
         return node_boundary(shape) if node_is_exact(shape) else None
-    return panel_boundary(shape)
+    if isinstance(shape, PanelShape):
+        return panel_boundary(shape)
+    return _linkage_boundary(shape)
 
 
-def _blank_of(shape: Shape) -> Boundary:
+def _linkage_boundary(shape: LinkageShape) -> Boundary:
+    """Exact boundary of a part of a linkage; there always is one."""
+    if isinstance(shape, LinkShape):
+        return link_boundary(shape)
+    if isinstance(shape, PinShape):
+        return pin_boundary(shape)
+    if isinstance(shape, RingShape):
+        return ring_boundary(shape)
+    return coupon_boundary(shape)
+
+
+def _blank_of(shape: BeamShape | NodeShape) -> Boundary:
     """Exact boundary of a shape before its cuts by the kernel; checks the whole shape."""
     from fabrication.solids.booleans import beam_blank
 
     if isinstance(shape, BeamShape):
         return beam_blank(shape)
-    if isinstance(shape, NodeShape):
-        return node_boundary(shape, blank=True)
-    return panel_boundary(shape)
+    return node_boundary(shape, blank=True)
 
 
 def second_volume_of(shape: Shape) -> float:
@@ -78,7 +101,15 @@ def second_volume_of(shape: Shape) -> float:
         return beam_volume(shape)
     if isinstance(shape, NodeShape):
         return node_volume(shape)
-    return panel_volume(shape)
+    if isinstance(shape, PanelShape):
+        return panel_volume(shape)
+    if isinstance(shape, LinkShape):
+        return link_volume(shape)
+    if isinstance(shape, PinShape):
+        return pin_volume(shape)
+    if isinstance(shape, RingShape):
+        return ring_volume(shape)
+    return coupon_volume(shape)
 
 
 def volume_of(shape: Shape) -> float:
@@ -92,6 +123,7 @@ def volume_of(shape: Shape) -> float:
     boundary = boundary_of(shape)
     if boundary is not None:
         return properties(boundary).volume
+    assert isinstance(shape, BeamShape | NodeShape)
     _blank_of(shape)
     return second_volume_of(shape)
 
@@ -167,6 +199,7 @@ def genus_of(shape: Shape) -> int:
     boundary = boundary_of(shape)
     if boundary is not None:
         return boundary.genus
+    assert isinstance(shape, BeamShape | NodeShape)
     # A cope changes no handle, nor does a blind hole; each hole into the bore adds one.
     genus = _blank_of(shape).genus
     if isinstance(shape, NodeShape):

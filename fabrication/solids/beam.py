@@ -27,7 +27,7 @@ def ends_of(shape: BeamShape) -> tuple[End, End]:
     """Both cuts as ends of a sweep."""
 
     def end(cut: EndCut, outward: float) -> End:
-        return End(cut.x, cut.slope, cut.radius, outward)
+        return End(cut.x, cut.slope, cut.radius, outward, cut.skew)
 
     return end(shape.start, -1.0), end(shape.end, 1.0)
 
@@ -39,17 +39,28 @@ def beam_is_exact(shape: BeamShape) -> bool:
 
 
 def check_ends(shape: BeamShape, loops: list[list[Segment]]) -> None:
-    """Raise `DetailError` where the cuts meet, or a coping cylinder is too thin."""
+    """Raise `DetailError` where the cuts meet, or a coping cylinder is too thin or skew."""
     bounds = [s.bounds() for loop in loops for s in loop]
     wide = max(max(-left, right) for left, right, _, _ in bounds)
     for name, cut in (("start", shape.start), ("end", shape.end)):
+        if cut.radius is not None and cut.skew != 0.0:
+            raise DetailError(
+                f"the {name} is coped but skew by {cut.skew:.3g}: only a flat cut may be; take "
+                '[beam] end = "flat"'
+            )
         if cut.radius is not None and wide >= cut.radius:
             raise DetailError(
                 f"the {name} is coped by a cylinder of radius {cut.radius:.6g} mm, but profile "
                 f"{shape.profile.name} reaches {wide:.6g} mm from the middle: widen the node"
             )
     length, slope = shape.end.x - shape.start.x, shape.end.slope - shape.start.slope
-    least = min(length + slope * v for _, _, low, high in bounds for v in (low, high))
+    skew = shape.end.skew - shape.start.skew
+    least = min(
+        length + slope * v + skew * u
+        for left, right, low, high in bounds
+        for v in (low, high)
+        for u in (left, right)
+    )
     if least <= 0.0:
         raise DetailError(
             f"the two cuts cross: the shortest fibre of profile {shape.profile.name} has length "

@@ -24,7 +24,7 @@ NODES = 96
 
 def _length_antiderivative(end: End, u: Floats, v: Floats) -> Floats:
     """Integral over u of the height at which a sweep ends."""
-    flat = np.asarray(u * (end.at + end.slope * v))
+    flat = np.asarray(u * (end.at + end.slope * v + 0.5 * end.skew * u))
     if end.radius is None:
         return flat
     r = end.radius

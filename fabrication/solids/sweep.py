@@ -23,25 +23,28 @@ cylinder: what that misplaces is below rounding."""
 
 @dataclass(frozen=True)
 class End:
-    """One end of a sweep: the plane w = at + slope v, or a cylinder that touches it along u = 0.
+    """One end of a sweep: the plane w = at + slope v + skew u, or a cylinder that touches it along
+    u = 0.
 
     radius : of the coping cylinder, whose axis lies that far beyond the plane; None: flat.
     outward : +1 for the end the sweep runs to, -1 for the one it starts from.
+    skew : 0 for a coped end
     """
 
     at: float
     slope: float
     radius: float | None
     outward: float
+    skew: float = 0.0
 
     @property
     def stretch(self) -> float:
-        """Length of the vector (1, -slope): the end's inclination."""
-        return math.hypot(1.0, self.slope)
+        """Length of the vector (1, -slope, -skew): the end's inclination."""
+        return math.hypot(1.0, self.slope, self.skew)
 
     def height(self, u: float, v: float) -> float:
         """The w at which the section's point (u, v) ends."""
-        w = self.at + self.slope * v
+        w = self.at + self.slope * v + self.skew * u
         if self.radius is None:
             return w
         reach = self.radius - math.sqrt(self.radius * self.radius - u * u)
@@ -71,14 +74,18 @@ class End:
         self, builder: BoundaryBuilder, frame: Frame, segment: Segment, ends: tuple[int, int]
     ) -> int:
         (cu, cv), r = segment.centre, segment.radius
-        a, b = frame(r, 0.0, 0.0), frame(0.0, r, r * self.slope)
-        centre = frame(cu, cv, self.at + self.slope * cv)
-        return builder.arc(ends, centre, a, b, segment.first, segment.first + segment.turn)
+        a, b = frame(r, 0.0, r * self.skew), frame(0.0, r, r * self.slope)
+        phi = 0.0
+        if self.skew != 0.0:  # otherwise they are perpendicular as they are
+            a, b, phi = principal_axes(a, b)
+        centre = frame(cu, cv, self.at + self.slope * cv + self.skew * cu)
+        first = segment.first - phi
+        return builder.arc(ends, centre, a, b, first, first + segment.turn)
 
     def face(self, builder: BoundaryBuilder, frame: Frame, loops: Sequence[Sequence[int]]) -> None:
         """The face that closes this end, bounded by loops seen from outside."""
         n = self.stretch
-        normal = scale(frame(0.0, -self.slope, 1.0), self.outward / n)
+        normal = scale(frame(-self.skew, -self.slope, 1.0), self.outward / n)
         if self.radius is None:
             builder.plane(normal, loops)
             return

@@ -96,7 +96,8 @@ class _Sampler:
                 columns[first + k].append(mark)
             for k in range(last - first):
                 slabs[first + k].append((marks[k], marks[k + 1]))
-        ordered = [[point for _, point in sorted(set(column))] for column in columns]
+        # A point that two arcs share counts once, though rounding may give it two heights.
+        ordered = [list(dict.fromkeys(point for _, point in sorted(c))) for c in columns]
         outward = bool(b.face_sign[face] > 0.0)
         for k, slab in enumerate(slabs):
             slab.sort(key=lambda pair: pair[0][0] + pair[1][0])
