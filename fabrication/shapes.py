@@ -26,7 +26,7 @@ def shape_key(shape: Shape) -> Hashable:
     if isinstance(shape, BeamShape):
         ends = (key_of(shape.start.radius), key_of(shape.end.radius))
         holes = tuple((key_of(hole.z), key_of(hole.diameter)) for hole in shape.holes)
-        return ("beam", _profile_key(shape.profile), ends, holes)
+        return ("beam", _profile_key(shape.profile), ends, holes, is_skew(shape))
     if isinstance(shape, PanelShape):
         same = np.array_equal(shape.inner, shape.outer)
         return (
@@ -62,13 +62,21 @@ def _symmetric(profile: Profile) -> bool:
     return is_mirror(profile, SYMMETRY)
 
 
+def is_skew(shape: BeamShape) -> bool:
+    """Whether a cut of the beam is a compound angle; its ends are flat then."""
+    return shape.start.skew != 0.0 or shape.end.skew != 0.0
+
+
 def fibre_ends(shape: BeamShape) -> tuple[Floats, Floats]:
     """x [mm] of both ends at the characteristic fibres: bottom and top, for coped ends in the
-    middle and at the sides of the profile."""
+    middle and at the sides of the profile; for skew cuts at its four corners, right side first."""
     z = np.array(z_range(shape.profile))
+    half = 0.5 * shape.profile.width
 
     def end(cut: EndCut, towards: float) -> Floats:
         middle = cut.x + cut.slope * z
+        if is_skew(shape):
+            return np.concatenate([middle - cut.skew * half, middle + cut.skew * half])
         if cut.radius is None:
             return middle
         sagitta = cut.radius - (cut.radius**2 - 0.25 * shape.profile.width**2) ** 0.5
@@ -91,6 +99,8 @@ def beam_variants(pieces: Sequence[Piece]) -> Variants:
     first = shapes[0]
     row = [(hole.z, hole.diameter) for hole in first.holes]
     if _symmetric(first.profile) and first.start.radius == first.end.radius and row == row[::-1]:
+        if is_skew(first):  # what was on the right comes to the left
+            start, end = np.roll(start, 2, axis=1), np.roll(end, 2, axis=1)
         back = np.hstack([middle - end, middle - start, middle - holes[:, ::-1]])
         points = np.concatenate([points, back[:, None, :, None]], axis=1)
         turn = np.concatenate([turn, turn + np.pi], axis=1)

@@ -49,17 +49,20 @@ class Profile:
 
 @dataclass(frozen=True)
 class EndCut:
-    """How a beam ends, in the beam's frame; the node axis lies in its plane y = 0.
+    """How a beam ends, in the beam's frame; without torsion the node axis lies in its plane y = 0.
 
     x : where the cut meets the x axis [mm]
-    slope : the node axis runs along (slope, 0, 1)
-    radius : None for a flat cut, the plane through (x, 0, 0), y and the axis direction; else the
-        radius [mm] of the coping cylinder, whose axis lies that far (perpendicularly) beyond x.
+    slope, skew : a flat cut is the plane (x + slope z + skew y, y, z), parallel to the node axis;
+        without torsion the axis runs along (slope, 0, 1) and skew is 0: a single mitre. A compound
+        angle only where an axis leaves the plane y = 0 and is not perpendicular to the beam
+    radius : None for a flat cut; else the radius [mm] of the coping cylinder, whose axis lies that
+        far (perpendicularly) beyond x; its skew is 0
     """
 
     x: float
     slope: float
     radius: float | None = None
+    skew: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -188,7 +191,11 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Beam:
-    """One beam: edge id, its vertices, left and right panels' marks; torsion [rad] of its edge."""
+    """One beam: edge id, its vertices, left and right panels' marks; torsion [rad] of its edge.
+
+    roll : angle [rad] about the beam's x axis from its z axis to the node axis, at start and end;
+        0 without torsion, otherwise half of it to either side
+    """
 
     mark: str
     edge: int
@@ -201,6 +208,7 @@ class Beam:
     placement: Placement
     role: Role = field(default="beam", init=False)
     checks: tuple[Check, ...] = ()
+    roll: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 from ddgfab.errors import SupportError
 from ddgfab.measures import circular_defect, conical_defect, planarity_percent, torsion
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.support.asymptotic import ASYMPTOTIC_BEND, edge_bend
+from ddgfab.support.asymptotic import ASYMPTOTIC_BEND, edge_bend, surface_normals
 from ddgfab.support.exact import cone_axes, reflected_axes
 from ddgfab.support.optimize import optimize
 from ddgfab.support.parallel import parallel_axes
@@ -22,7 +22,7 @@ from ddgfab.tolerances import (
     NET_PLANAR_PERCENT,
 )
 
-SupportKind = Literal["auto", "offset", "normal", "axis", "optimize", "central"]
+SupportKind = Literal["auto", "offset", "normal", "axis", "optimize", "central", "normals"]
 
 _EXACT = {"normal": reflected_axes, "axis": cone_axes, "offset": parallel_axes}
 
@@ -30,13 +30,14 @@ _EXACT = {"normal": reflected_axes, "axis": cone_axes, "offset": parallel_axes}
 def support_structure(
     mesh: Mesh, kind: SupportKind = "auto", *, lean_limit_deg: float = LEAN_LIMIT_DEG
 ) -> SupportStructure:
-    """Torsion-free node axes on a mesh, vertices fixed.
+    """Node axes on a mesh, vertices fixed; torsion-free except for the kind "normals".
 
     Kinds: "normal" (circular nets: vertex normals by reflection), "axis" (conical nets: axes of
     the vertex cones), "offset" (planar faces: the parallel mesh nearest to the vertex normals),
     "optimize" (any mesh: axes nearest to the vertex normals), "central" (any mesh: axes through
-    one point), "auto": the first of "normal", "axis", "offset" that the net allows exactly within
-    the lean limit, otherwise "optimize". A net that is circular, conical or planar only within
+    one point), "normals" (A-nets and K-nets: surface normals, whose torsion stays and is told by
+    the structure; never taken by "auto"), "auto": the first of "normal", "axis", "offset" that the
+    net allows exactly within the lean limit, otherwise "optimize". A net that is circular, conical or planar only within
     tolerance gets the torsion-free axes nearest to those of the kind asked for.
 
     Parameters
@@ -55,6 +56,8 @@ def support_structure(
         raise SupportError(
             f'unknown support kind "{kind}"; one of {", ".join(get_args(SupportKind))}'
         )
+    if kind == "normals":
+        return SupportStructure.of(mesh, surface_normals(mesh), kind)
     if kind == "central":
         return _upright(central(mesh))
     if (mesh.face_sizes == 3).all():
@@ -161,6 +164,7 @@ def _reason(structure: SupportStructure) -> str:
         return (
             "; the net follows asymptotic lines (its edges bend by "
             f"{100 * bend:.0f} % of what the normals turn), where axes end up lying in the surface"
+            '; [support] kind = "normals" takes the normals and leaves the torsion'
         )
     flat = planarity_percent(mesh)
     if not len(mesh.boundary_loops):

@@ -31,7 +31,7 @@ class Cuts:
 def end_cuts(frames: EdgeFrames, size: NodeSize, eccentricity: float) -> Cuts:
     """Cuts parallel to the node axes, `size.cut` away from them, for beams moved up by
     `eccentricity` [mm]."""
-    stretch = np.hypot(1.0, frames.slope)
+    stretch = np.hypot(np.hypot(1.0, frames.slope), frames.skew)
     x = frames.slope * eccentricity + size.cut * stretch * [1.0, -1.0]
     x[:, 1] += frames.length
     return Cuts(x, stretch)
@@ -49,6 +49,7 @@ def beam_specs(
     """
     holes = _cross_holes(frames, cuts, profile, project)
     _check_lengths(mesh, frames, cuts, profile, project)
+    _check_coped(frames, project)
     placements = np.zeros((mesh.n_edges, 4, 4))
     placements[:, :3, 0], placements[:, :3, 1], placements[:, :3, 2] = frames.x, frames.y, frames.z
     origin = mesh.vertices[mesh.edges[:, 0]] + project.beam.eccentricity_mm * frames.z
@@ -58,10 +59,12 @@ def beam_specs(
     limit = project.checks.torsion_deg
     glass = project.panel.kind != "none"
     beams = []
-    for e, (x, slope, (i, j), faces, length, torsion) in enumerate(
+    for e, (x, slope, skew, roll, (i, j), faces, length, torsion) in enumerate(
         zip(
             cuts.x.tolist(),
             frames.slope.tolist(),
+            frames.skew.tolist(),
+            frames.roll.tolist(),
             mesh.edges.tolist(),
             mesh.edge_faces.tolist(),
             frames.length.tolist(),
@@ -71,8 +74,8 @@ def beam_specs(
     ):
         shape = BeamShape(
             profile,
-            EndCut(x[0], slope[0], radius),
-            EndCut(x[1], slope[1], radius),
+            EndCut(x[0], slope[0], radius, skew[0]),
+            EndCut(x[1], slope[1], radius, skew[1]),
             holes[e] if holes else (),
         )
         left, right = (panel_mark(face) if glass and face >= 0 else None for face in faces)
@@ -89,6 +92,7 @@ def beam_specs(
                 shape=shape,
                 placement=placements[e],
                 checks=(Check("torsion_deg", degrees <= limit, degrees, limit),),
+                roll=(roll[0], roll[1]),
             )
         )
     return tuple(beams)
@@ -104,10 +108,11 @@ def _check_lengths(
             cuts.x[:, 1] - cuts.x[:, 0] + z * (frames.slope[:, 1] - frames.slope[:, 0])
             for z in (low, high)
         )
-    )
+    ) - 0.5 * profile.width * np.abs(frames.skew[:, 1] - frames.skew[:, 0])
     limit = project.beam.min_length_mm
     if project.beam.bolt != "none":
-        limit = max(limit, 2 * bolt_end_distance(project.beam.bolt) * cuts.stretch.max())
+        reach = bolt_end_distance(project.beam.bolt) * cuts.stretch
+        limit = max(limit, 2 * float((reach + 0.5 * profile.width * np.abs(frames.skew)).max()))
     short = np.flatnonzero(least < limit)
     if len(short):
         raise listed(
@@ -119,6 +124,16 @@ def _check_lengths(
             ],
             f"the least length is {limit:.6g} mm: check units and scale, take smaller nodes, or "
             f"change [beam] min_length_mm",
+        )
+
+
+def _check_coped(frames: EdgeFrames, project: Project) -> None:
+    """Raise where coped ends are asked for although beams are twisted."""
+    if project.beam.end == "cope" and frames.twisted:
+        worst = int(frames.torsion.argmax())
+        raise DetailError(
+            f"beam {beam_mark(worst)} has torsion {np.degrees(frames.torsion[worst]):.2f} deg: a "
+            'coped end needs the node axis in the plane of the beam\ntake [beam] end = "flat"'
         )
 
 
@@ -138,6 +153,7 @@ def _cross_holes(
             f"{project.beam.bolt} needs {needed:.6g} mm: take a smaller [beam] bolt"
         )
     z = 0.5 * (low + high)
-    distance = bolt_end_distance(project.beam.bolt) * cuts.stretch * [1.0, -1.0]
+    distance = bolt_end_distance(project.beam.bolt) * cuts.stretch
+    distance = (distance + 0.5 * profile.width * np.abs(frames.skew)) * [1.0, -1.0]
     x = cuts.x + z * frames.slope + distance
     return [(CrossHole(a, z, diameter), CrossHole(b, z, diameter)) for a, b in x.tolist()]

@@ -15,6 +15,12 @@ from ddgfab.mesh import Floats, Ints, Mesh, unit
 STEEPEST: Final = np.radians(75.0)
 """A beam that leaves the plane across a node axis by more [rad] cannot be cut to meet the node."""
 
+TORSION_IGNORED: Final = np.radians(0.1)
+"""Torsion [rad] that optimised structures may leave: less than saws and welders can tell."""
+
+SQUARE: Final = 1e-9
+"""A cut of a twisted beam with less slope is square: on K-nets axes are perpendicular to edges."""
+
 NAMED: Final = 5
 """How many parts an error names before it only counts."""
 
@@ -57,7 +63,9 @@ class EdgeFrames:
 
     x, y, z : (E, 3)
     length : (E,) edge lengths [mm]
-    slope : (E, 2) the axis of the first and second vertex runs along (slope, 0, 1) in the frame
+    slope, skew : (E, 2) flat cuts at the first and second vertex: planes (slope z + skew y, y, z)
+        that hold the node axis; without torsion this runs along (slope, 0, 1) and skew is 0
+    roll : (E, 2) angle [rad] about x from z to the node axes; 0 without torsion
     torsion : (E,) angle [rad] between the planes span(e, a_i) and span(e, a_j)
     """
 
@@ -66,11 +74,21 @@ class EdgeFrames:
     z: Floats
     length: Floats
     slope: Floats
+    skew: Floats
+    roll: Floats
     torsion: Floats
+
+    @property
+    def twisted(self) -> bool:
+        """Whether there is torsion that cuts and nodes must reckon with."""
+        return bool(self.roll.any())
 
 
 def edge_frames(mesh: Mesh, axes: Floats) -> EdgeFrames:
-    """Frames of all edges; pi(e) holds the edge and the mean of its axes.
+    """Frames of all edges; pi(e) holds the edge and bisects its axes as seen along it.
+
+    Torsion of the structure up to `TORSION_IGNORED` counts as none. Beyond it every cut takes its
+    own axis: the plane across the part of the edge that is perpendicular to the axis.
 
     Raises
     ------
@@ -80,11 +98,13 @@ def edge_frames(mesh: Mesh, axes: Floats) -> EdgeFrames:
     x = unit(mesh.edge_vectors)
     ends = axes[mesh.edges]  # (E, 2, 3)
     across = ends - np.einsum("eki,ei->ek", ends, x)[..., None] * x[:, None]
-    z = unit(across.sum(axis=1))
+    sides = unit(across)
+    z = unit(sides.sum(axis=1))
     y = np.cross(z, x)
     along = np.einsum("eki,ei->ek", ends, x)
     up = np.einsum("eki,ei->ek", ends, z)
     steep = np.arctan2(np.abs(along), up)  # beyond a right angle where the axis points down
+    steep[np.einsum("ei,ei->e", sides[:, 0], sides[:, 1]) <= 0] = np.pi
     bad = np.argwhere(steep > STEEPEST)
     if len(bad):
         raise listed(
@@ -95,7 +115,15 @@ def edge_frames(mesh: Mesh, axes: Floats) -> EdgeFrames:
             ],
             f"at most {np.degrees(STEEPEST):.0f} deg can be cut: the node axes lean too far",
         )
-    return EdgeFrames(x, y, z, mesh.edge_lengths, along / up, torsion(mesh, axes))
+    slope, skew, roll = along / up, np.zeros_like(up), np.zeros_like(up)
+    angle = torsion(mesh, axes)
+    if angle.max() > TORSION_IGNORED:
+        side = np.einsum("eki,ei->ek", ends, y)
+        rest = up * up + side * side  # the square of the axis' part across the edge
+        slope, skew, roll = along * up / rest, along * side / rest, np.arctan2(side, up)
+        skew = np.where(np.abs(skew) < SQUARE, 0.0, skew)
+        slope = np.where(np.abs(slope) < SQUARE, 0.0, slope)
+    return EdgeFrames(x, y, z, mesh.edge_lengths, slope, skew, roll, angle)
 
 
 @dataclass(frozen=True, eq=False)

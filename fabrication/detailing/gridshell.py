@@ -14,7 +14,7 @@ from fabrication.detailing.clearance import panel_offset, steel_heights
 from fabrication.detailing.frames import Axes, arms_of, edge_frames, node_mark
 from fabrication.detailing.nodes import end_heights, node_ends, node_specs
 from fabrication.detailing.panels import face_planes, not_flat, panel_specs
-from fabrication.detailing.radius import NodeSize, close_arms, node_size
+from fabrication.detailing.radius import NodeSize, arm_width, close_arms, node_size
 from fabrication.project import Project, make_project
 from fabrication.specs import Beam, Check, Node, Panel, Piece
 
@@ -91,7 +91,7 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     profile = project.beam.section()
     frames = edge_frames(mesh, axes)
     arms = arms_of(mesh, axes, frames)
-    size = node_size(arms, profile, project)
+    size = node_size(arms, arm_width(frames, profile, project), profile, project)
     cuts = end_cuts(frames, size, project.beam.eccentricity_mm)
     beams = beam_specs(mesh, frames, cuts, size, profile, project)
     low, middle, high = end_heights(frames, arms, size, profile, project)

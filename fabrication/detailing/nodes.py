@@ -33,6 +33,9 @@ THREAD: Final = 1.5
 HOLE_WALL: Final = 3.0
 """Steel [mm] left between the tips of neighbouring blind holes."""
 
+OFF_MIDDLE: Final = 1e-6
+"""A profile is centred on its edge when its two halves differ by less [mm]."""
+
 MARK: Final = (3.0, 1.0)
 """Diameter and depth [mm] of the reference mark where there is room."""
 
@@ -46,8 +49,11 @@ def end_heights(
     """Lowest, middle and highest point (A,) [mm] of each arm's end face along its node axis.
 
     A point of the beam at distance rho from the axis and z above the vertex lies at
-    s rho + z sqrt(1 + s^2) along it, s the slope seen away from the node.
+    s rho + z sqrt(1 + s^2) along it, s the slope seen away from the node. An axis that torsion has
+    rolled by t = tan(roll) out of pi(e) sees points at y across too.
     """
+    if frames.twisted:
+        return _rolled_heights(frames, arms, size, profile, project)
     slope = frames.slope[arms.edge, arms.end] * (1 - 2 * arms.end)
     stretch = np.hypot(1.0, slope)
     low, high = (z + project.beam.eccentricity_mm for z in z_range(profile))
@@ -60,6 +66,37 @@ def end_heights(
         slope * size.cut + 0.5 * (low + high) * stretch,
         reach.max(axis=0) + high * stretch,
     )
+
+
+def _rolled_heights(
+    frames: EdgeFrames, arms: Arms, size: NodeSize, profile: Profile, project: Project
+) -> tuple[Floats, Floats, Floats]:
+    """As `end_heights`, for node axes along (lean, sin(roll), cos(roll)) in the beam's frame.
+
+    Their cuts have slope = lean cos(roll) and skew = lean sin(roll).
+
+    Raises
+    ------
+    DetailError
+        Bolts in the middle of end faces that miss the node axis.
+    """
+    at = arms.edge, arms.end
+    slope, skew, roll = frames.slope[at], frames.skew[at], frames.roll[at]
+    lean = slope * np.cos(roll) + skew * np.sin(roll)
+    unit = 1.0 / np.hypot(1.0, lean)
+    away = (1 - 2 * arms.end) * lean * size.cut
+    by_z = (lean * slope + np.cos(roll)) * unit
+    by_y = np.abs(lean * skew + np.sin(roll)) * unit
+    low, high = (z + project.beam.eccentricity_mm for z in z_range(profile))
+    if project.node.bolt != "none" and abs(low + high) > OFF_MIDDLE:
+        raise DetailError(
+            f"beams are rolled by torsion about the mesh edges, {0.5 * abs(low + high):.6g} mm "
+            f"from the middle of {profile.name}: bolts there miss the node axes\n"
+            f"set [beam] eccentricity_mm = {-0.5 * sum(z_range(profile)):g}"
+        )
+    both = np.stack([low * by_z, high * by_z])
+    half = 0.5 * profile.width * by_y
+    return away + both.min(axis=0) - half, away + both.mean(axis=0), away + both.max(axis=0) + half
 
 
 def node_ends(
@@ -117,7 +154,7 @@ def node_specs(
             size.bore,
             bottom[v],
             top[v],
-            tuple(Seat(azimuths[k], size.seat, profile.width) for k in own) if flat else (),
+            tuple(Seat(azimuths[k], size.seat, size.width) for k in own) if flat else (),
             tuple(RadialHole(azimuths[k], heights[k], bolt[1], depths[k]) for k in own)
             if bolt
             else (),

@@ -9,10 +9,18 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
-from fabrication.detailing.frames import NAMED, Arms, beam_mark, listed, node_mark
+from fabrication.detailing.frames import (
+    NAMED,
+    Arms,
+    EdgeFrames,
+    beam_mark,
+    listed,
+    node_mark,
+)
 from fabrication.project.models import Project
 from fabrication.specs import Profile
 from fabrication.standards import node_diameters
+from fabrication.standards.profiles import z_range
 
 LEAST_WALL: Final = 2.0
 """Wall [mm] that a seat must leave of a tube."""
@@ -29,6 +37,7 @@ class NodeSize:
     radius, bore : outside and inside radius; bore 0 for a solid cylinder
     seat : distance of the seats from the axis; the radius where there are none
     cut : distance of the beams' cuts from the axis
+    width : of the seats, and of the strip beside the line to the axis that an arm needs
     needed : least radius that the arms allow
     forced_by : vertex of the node that needs it
     """
@@ -37,6 +46,7 @@ class NodeSize:
     bore: float
     seat: float
     cut: float
+    width: float
     needed: float
     forced_by: int
 
@@ -71,8 +81,25 @@ def close_arms(arms: Arms, limit_deg: float) -> str | None:
     return f"arms are less than {limit_deg:g} deg apart: {', '.join(pairs)}{more}"
 
 
-def node_size(arms: Arms, profile: Profile, project: Project) -> NodeSize:
+def arm_width(frames: EdgeFrames, profile: Profile, project: Project) -> float:
+    """Width [mm] of the strip about the line to the node axis that holds the end of every arm.
+
+    The width of the profile without torsion; a beam that is rolled against the axis by rho needs
+    room for its corners at y cos(rho) - z sin(rho).
+    """
+    if not frames.twisted:
+        return profile.width
+    cos, sin = np.cos(frames.roll), np.abs(np.sin(frames.roll))
+    reach = max(abs(z + project.beam.eccentricity_mm) for z in z_range(profile))
+    return float((profile.width * cos + 2.0 * reach * sin).max())
+
+
+def node_size(arms: Arms, width: float, profile: Profile, project: Project) -> NodeSize:
     """Size of the nodes: the given diameter, or the least of the series that fits everywhere.
+
+    Parameters
+    ----------
+    width : room that an arm needs, from `arm_width`
 
     Raises
     ------
@@ -80,28 +107,28 @@ def node_size(arms: Arms, profile: Profile, project: Project) -> NodeSize:
         The given diameter, or every one of the series, is too small; names node, arms and angle.
     """
     settings = project.node
-    needs = least_radii(arms, profile.width, settings.arm_clearance_mm)
+    needs = least_radii(arms, width, settings.arm_clearance_mm)
     worst = int(needs.argmax())
     needed = float(needs[worst])
     if settings.diameter_mm == "auto":
         series = sorted(settings.series_mm) or node_diameters(settings.kind)
         for diameter in series:
-            size = _size(diameter, needed, int(arms.node[worst]), profile, project)
+            size = _size(diameter, needed, int(arms.node[worst]), width, project)
             if diameter >= settings.min_diameter_mm and not _misfit(size, project):
                 return size
         raise DetailError(
             f"{_forced(arms, worst)}, which needs a diameter of {2 * needed:.1f} mm; the series "
-            f"ends at {series[-1]:g} mm\ntake a narrower [beam] profile or a larger "
-            f"[node] series_mm"
+            f"ends at {series[-1]:g} mm\ntake a narrower [beam] profile{_middle(width, profile)} "
+            f"or a larger [node] series_mm"
         )
-    size = _size(settings.diameter_mm, needed, int(arms.node[worst]), profile, project)
+    size = _size(settings.diameter_mm, needed, int(arms.node[worst]), width, project)
     if size.radius < needed - RADIUS_SLACK:
         bad = np.flatnonzero(needs > size.radius + RADIUS_SLACK)
         bad = bad[np.argsort(-needs[bad], kind="stable")]
         raise listed(
             [f"{_forced(arms, k)}, which needs {2 * needs[k]:.1f} mm" for k in bad.tolist()],
             f"[node] diameter_mm = {settings.diameter_mm:g} is too small for beams "
-            f'{profile.width:g} mm wide: at least {2 * needed:.1f} mm, or "auto"',
+            f'{width:g} mm wide{_rolled(width, profile)}: at least {2 * needed:.1f} mm, or "auto"',
         )
     misfit = _misfit(size, project)
     if misfit:
@@ -110,13 +137,23 @@ def node_size(arms: Arms, profile: Profile, project: Project) -> NodeSize:
 
 
 def _size(
-    diameter: float, needed: float, forced_by: int, profile: Profile, project: Project
+    diameter: float, needed: float, forced_by: int, width: float, project: Project
 ) -> NodeSize:
     radius = 0.5 * diameter
     bore = max(radius - project.node.wall_mm, 0.0) if project.node.kind == "tube" else 0.0
     flat = project.beam.end == "flat"
-    seat = max(radius**2 - 0.25 * profile.width**2, 0.0) ** 0.5 if flat else radius
-    return NodeSize(radius, bore, seat, seat + project.beam.clearance_mm, needed, forced_by)
+    seat = max(radius**2 - 0.25 * width**2, 0.0) ** 0.5 if flat else radius
+    cut = seat + project.beam.clearance_mm
+    return NodeSize(radius, bore, seat, cut, width, needed, forced_by)
+
+
+def _middle(width: float, profile: Profile) -> str:
+    """What helps beside a narrower profile where torsion rolls it."""
+    return "" if width == profile.width else ", [beam] eccentricity_mm = half its depth,"
+
+
+def _rolled(width: float, profile: Profile) -> str:
+    return "" if width == profile.width else f" at their ends ({profile.name} rolled by torsion)"
 
 
 def _misfit(size: NodeSize, project: Project) -> str:

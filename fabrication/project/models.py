@@ -11,6 +11,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from ddgfab.nets.registry import kinds
+from ddgfab.support import SupportKind
 from ddgfab.tolerances import LEAN_LIMIT_DEG
 from fabrication.specs import Profile
 from fabrication.standards import bolt_hole, density, nearest, polygon, profile, stock_size
@@ -96,9 +97,16 @@ class Net(Section):
 
 
 class Support(Section):
-    """[support]: the construction of the torsion-free structure, and how far axes may lean."""
+    """[support]: the construction of the node axes, and how far they may lean.
 
-    kind: Literal["auto", "offset", "normal", "axis", "optimize", "central"] = "auto"
+    Attributes
+    ----------
+    kind : of the torsion-free structure; "auto" takes what the net allows. "normals" (K-nets:
+        surface normals) leaves torsion in every beam, so it needs a [checks] torsion_deg to match
+    lean_limit_deg : angle between node axis and surface normal
+    """
+
+    kind: SupportKind = "auto"
     lean_limit_deg: Degrees = LEAN_LIMIT_DEG
 
 
