@@ -37,8 +37,9 @@ def support_structure(
     "optimize" (any mesh: axes nearest to the vertex normals), "central" (any mesh: axes through
     one point), "normals" (A-nets and K-nets: surface normals, whose torsion stays and is told by
     the structure; never taken by "auto"), "auto": the first of "normal", "axis", "offset" that the
-    net allows exactly within the lean limit, otherwise "optimize". A net that is circular, conical or planar only within
-    tolerance gets the torsion-free axes nearest to those of the kind asked for.
+    net allows exactly within the lean limit, otherwise "optimize". A net that is circular, conical
+    or planar only within tolerance gets the torsion-free axes nearest to those of the kind asked
+    for.
 
     Parameters
     ----------
