@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
-from ddgfab.linkages.cauchy import Numbers, dots
+from ddgfab.linkages.cauchy import Numbers
+from ddgfab.linkages.frames import bar_frames, frames_and_rates
 from ddgfab.mesh import Floats, Ints
-
-COMPLEX_STEP = 1e-30
-"""Imaginary part of the parameter in exact derivatives; its square vanishes beside one."""
 
 END_SLACK = 1e-12
 """Driving angles may exceed the limits by this [rad], for rounding."""
@@ -137,7 +135,7 @@ class Mechanism:
         """
         angles = self.check(ts)
         points, axes = self.drive.place(angles)
-        ground = self._frames(points, axes, self.bars[:1])[:, 0]
+        ground = bar_frames(points, axes, self.bars[:1])[:, 0]
         turn, origin = ground[:, :3, :3], ground[:, :3, 3]
         return Pose((points - origin[:, None]) @ turn, axes @ turn)
 
@@ -155,31 +153,11 @@ class Mechanism:
 
     def bar_frames(self, pose: Pose) -> Floats:
         """(E, 4, 4) or (T, E, 4, 4) placements of the bars; see `bars` for the frame of a bar."""
-        return np.asarray(self._frames(pose.points, pose.axes, self.bars))
-
-    @staticmethod
-    def _frames(points: Numbers, axes: Numbers, bars: Ints) -> Numbers:
-        """Placements (..., E, 4, 4) of bars, analytic in the points and axes."""
-        start, end = points[..., bars[:, 0], :], points[..., bars[:, 1], :]
-        x = end - start
-        x = x / np.sqrt(dots(x, x))
-        z = axes[..., bars[:, 0], :]
-        frames = np.zeros((*x.shape[:-1], 4, 4), dtype=x.dtype)
-        frames[..., :3, 0], frames[..., :3, 1], frames[..., :3, 2] = x, np.cross(z, x), z
-        frames[..., :3, 3], frames[..., 3, 3] = start, 1.0
-        return frames
+        return np.asarray(bar_frames(pose.points, pose.axes, self.bars))
 
     def moving_frames(self, ts: ArrayLike) -> tuple[Floats, Floats]:
-        """Placements of the bars in the drive's own frame and their derivatives by t.
-
-        Returns
-        -------
-        frames, rates : (T, E, 4, 4), exact derivatives by the complex step
-        """
-        angles = self.check(ts)
-        points, axes = self.drive.place(angles + 1j * COMPLEX_STEP)
-        frames = self._frames(points, axes, self.bars)
-        return frames.real.copy(), frames.imag / COMPLEX_STEP
+        """(T, E, 4, 4) frames of the bars in the drive's own frame, and their derivatives by t."""
+        return frames_and_rates(self.drive, self.check(ts), self.bars)
 
 
 def signed_twists(pose: Pose, bars: Ints) -> Floats:
