@@ -15,6 +15,8 @@ from ddgfab.nets.circles import Circles, Spheres, circles_on_sphere
 from ddgfab.nets.koebe_centre import centring
 from ddgfab.nets.koebe_checks import check_polyhedron
 from ddgfab.nets.koebe_pattern import CirclePattern, planar_circles
+from ddgfab.nets.sisothermic import SIsothermic
+from ddgfab.nets.sisothermic_labels import piece
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,6 +63,19 @@ class KoebePolyhedron:
     def vertex_spheres(self) -> Spheres:
         """Sphere about each vertex through its contact points, orthogonal to the unit sphere."""
         return Spheres(self.mesh.vertices, self.radii)
+
+    def net(self, faces: Ints | None = None) -> SIsothermic:
+        """The polyhedron, or the piece of some faces (ids or a mask), as an s-isothermic net.
+
+        Raises
+        ------
+        MeshError
+            A piece without faces, or whose faces meet in a vertex only.
+        """
+        if faces is None:
+            return SIsothermic(self.mesh, self.radii)
+        part = piece(self.mesh, faces)
+        return SIsothermic(part.mesh, self.radii[part.vertices])
 
     def residuals(self) -> dict[str, float]:
         """Greatest defect of each defining condition, as lengths on a sphere of radius 1.

@@ -83,7 +83,9 @@ class CirclePattern:
     def angle_sums(self) -> Floats:
         """(count,) Phi: 2 pi less pi for every neighbour that is a line."""
         v, f = self.corner_circles
-        lines = np.bincount(v, self.lines[f], self.count) + np.bincount(f, self.lines[v], self.count)
+        lines = np.bincount(v, self.lines[f], self.count) + np.bincount(
+            f, self.lines[v], self.count
+        )
         return 2.0 * np.pi - np.pi * lines
 
     def functional(self, rho: Floats) -> float:

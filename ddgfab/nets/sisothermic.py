@@ -1,0 +1,300 @@
+"""s-isothermic nets: faces with incircles that touch, spheres about the vertices; their duals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ddgfab.errors import DegenerateError, InputError, MeshError
+from ddgfab.mesh import Floats, Ints, Mesh, unit
+from ddgfab.nets.circles import Circles, Spheres
+from ddgfab.nets.sisothermic_labels import label_edges
+from ddgfab.nets.trees import tree_sums
+from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
+
+CLOSING = 1e-9
+"""A dual closes when no edge misses by more than this part of the diameter."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SIsothermic:
+    """A mesh whose faces have incircles, and spheres about its vertices through their contacts.
+
+    Make one with `SIsothermic.of`, which measures; the constructor trusts its arrays. Koebe nets
+    (`KoebePolyhedron.net`) and their duals are of this kind.
+
+    Attributes
+    ----------
+    mesh : planar faces; an edge is as long as the radii of its two spheres together
+    radii : (V,) of the spheres about the vertices; zero at vertices without faces
+    """
+
+    mesh: Mesh
+    radii: Floats
+
+    @staticmethod
+    def of(mesh: Mesh, tolerance: float = NET_INPUT) -> SIsothermic:
+        """The s-isothermic net on a mesh, with the radii that its incircles give.
+
+        Parameters
+        ----------
+        tolerance : greatest defect in parts of the local edge length
+
+        Raises
+        ------
+        DegenerateError
+            A face that is not planar or has no incircle, or a vertex at which incircles touch its
+            edges at different distances; names it, the defect and the limit.
+
+        Source: Bobenko, Pinkall 1999, s-isothermic surfaces; Def. 4.3; maths.md 7.3.
+        """
+        found = tangential(mesh)
+        for name, values in found.defects.items():
+            worst = int(values.argmax())
+            if not values[worst] <= tolerance:
+                element = "vertex" if name == "spheres" else "face"
+                raise DegenerateError(
+                    f"not s-isothermic: {element} {worst} {_SAYS[name]} by {values[worst]:.1e} "
+                    f"of its edge length (limit {tolerance:g})"
+                )
+        return SIsothermic(mesh, found.radii)
+
+    @cached_property
+    def contacts(self) -> Floats:
+        """(E, 3) point of each edge where spheres and incircles touch."""
+        i, j = self.mesh.edges.T
+        way = (self.radii[i] / (self.radii[i] + self.radii[j]))[:, None]
+        return np.asarray((1.0 - way) * self.mesh.vertices[i] + way * self.mesh.vertices[j])
+
+    @cached_property
+    def incircles(self) -> Circles:
+        """Incircle of each face."""
+        found = tangential(self.mesh)
+        return Circles(found.centres, self.mesh.face_normals, found.face_radii)
+
+    @property
+    def spheres(self) -> Spheres:
+        """Sphere about each vertex."""
+        return Spheres(self.mesh.vertices, self.radii)
+
+    def residuals(self) -> dict[str, float]:
+        """Greatest defect of each defining condition, in parts of the local edge length.
+
+        planarity : of the faces
+        incircles : edges against the tangents to the incircles at their ends
+        spheres : tangents from one vertex to all its incircles
+        radii : edges against the radii of their two spheres
+        """
+        i, j = self.mesh.edges.T
+        edges = np.abs(self.mesh.edge_lengths - self.radii[i] - self.radii[j])
+        found = {name: float(v.max()) for name, v in tangential(self.mesh).defects.items()}
+        return found | {"radii": float((edges / self.mesh.edge_lengths).max())}
+
+    @cached_property
+    def regular(self) -> bool:
+        """Whether inner vertices have four edges and faces an even number of sides (Def. 4.3)."""
+        inner = ~self.mesh.boundary_vertex & (self.mesh.valences > 0)
+        return bool(
+            (self.mesh.valences[inner] == 4).all() and (self.mesh.face_sizes % 2 == 0).all()
+        )
+
+    def __repr__(self) -> str:
+        return f"SIsothermic({self.mesh!r})"
+
+
+_SAYS = {
+    "planarity": "is off its plane",
+    "incircles": "misses an incircle",
+    "spheres": "has tangents to its incircles that differ",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Tangential:
+    """Incircles that fit the faces of a mesh best; `tangential` makes it.
+
+    Attributes
+    ----------
+    centres, face_radii : (F, 3), (F,) of the incircles
+    lengths : (C,) distance from each corner to its two contact points
+    radii : (V,) their means at the vertices
+    defects : "planarity" (F,), "incircles" (F,), "spheres" (V,), in parts of local edge lengths
+    """
+
+    centres: Floats
+    face_radii: Floats
+    lengths: Floats
+    radii: Floats
+    defects: dict[str, Floats]
+
+
+def tangential(mesh: Mesh) -> Tangential:
+    """Incircles of faces by the tangents at their corners: rho cot(alpha / 2) at an angle alpha.
+
+    rho is half the perimeter over the sum of the cotangents, which is exact for tangential
+    polygons, convex or winding round their circle several times.
+
+    Raises
+    ------
+    DegenerateError
+        A face without area or with a corner that is straight; names it.
+
+    Source: maths.md 7.3.
+    """
+    first = mesh.face_start[:-1]
+    here, ahead = mesh.corners, mesh.corners[mesh.corner_next]
+    edge = mesh.edge_lengths[mesh.corner_edge]
+    mean = np.add.reduceat(edge, first) / mesh.face_sizes
+    flat = np.flatnonzero(mesh.face_areas <= RELATIVE_DEGENERATE * mean**2)
+    cotangent = 1.0 / np.tan(np.maximum(mesh.corner_angles, RELATIVE_DEGENERATE) / 2.0)
+    straight = np.flatnonzero(cotangent <= RELATIVE_DEGENERATE)
+    if len(flat) or len(straight):
+        face = int(flat[0] if len(flat) else mesh.corner_face[straight[0]])
+        what = "has no area" if len(flat) else f"is straight at vertex {here[straight[0]]}"
+        raise DegenerateError(f"face {face} {what}: it has no incircle")
+    rho = np.add.reduceat(edge, first) / (2.0 * np.add.reduceat(cotangent, first))
+    lengths = rho[mesh.corner_face] * cotangent
+    to_next = unit(mesh.vertices[ahead] - mesh.vertices[here])
+    to_last = unit(mesh.vertices[mesh.corners[mesh.corner_previous]] - mesh.vertices[here])
+    half = mesh.corner_angles / 2.0
+    towards = unit(to_next + to_last) * (lengths / np.cos(half))[:, None]
+    centres = np.add.reduceat(mesh.vertices[here] + towards, first) / mesh.face_sizes[:, None]
+    at = mesh.corner_face
+    off = np.abs(np.einsum("cx,cx->c", mesh.vertices[here] - centres[at], mesh.face_normals[at]))
+    miss = np.abs(edge - lengths - lengths[mesh.corner_next])
+    count = np.maximum(np.bincount(here, minlength=mesh.n_vertices), 1)
+    radii = np.bincount(here, lengths, mesh.n_vertices) / count
+    local = np.bincount(here, edge, mesh.n_vertices) / count
+    spread = np.zeros(mesh.n_vertices)
+    np.maximum.at(spread, here, np.abs(lengths - radii[here]))
+    return Tangential(
+        centres,
+        rho,
+        lengths,
+        radii,
+        {
+            "planarity": np.maximum.reduceat(off, first) / mean,
+            "incircles": np.maximum.reduceat(miss, first) / mean,
+            "spheres": np.divide(spread, local, out=np.zeros_like(spread), where=local > 0),
+        },
+    )
+
+
+def dual_face(points: ArrayLike) -> Floats:
+    """Corners of the dual of one polygon with an incircle; a polygon with an incircle again.
+
+    With contact points q_j, centre c and radius rho: q_j* - c* = (-1)^j (q_j - c) / rho^2, so the
+    sides are v*_(j+1) - v*_j = -(-1)^j (v_(j+1) - v_j) / (r_j r_(j+1)). An odd polygon closes
+    only after two turns.
+
+    Parameters
+    ----------
+    points : (n, 3), planar
+
+    Returns
+    -------
+    (n, 3), or (2 n, 3) for odd n: corners about the centre c* = 0
+
+    Raises
+    ------
+    DegenerateError
+        The polygon has no incircle.
+
+    Source: equations (16), (17) as corrected in maths.md 7.4.
+    """
+    polygon = np.asarray(points, dtype=np.float64)
+    net = SIsothermic.of(Mesh.build(polygon, [list(range(len(polygon)))]))
+    circle, r = net.incircles, net.radii
+    turns = 1 + len(polygon) % 2
+    corner = np.arange(turns * len(polygon))
+    # The side from corner j runs through q_j: from its contact on, half a side to v*_(j+1).
+    j, last = corner % len(polygon), (corner - 1) % len(polygon)
+    sign = np.where(corner % 2, -1.0, 1.0)[:, None]
+    contact = polygon[j] + unit(polygon[(j + 1) % len(polygon)] - polygon[j]) * r[j, None]
+    foot = sign * (contact - circle.centres[0]) / circle.radii[0] ** 2
+    side = unit(polygon[j] - polygon[last])  # of the side before, whose sign is the other
+    before = polygon[j] - side * r[j, None]
+    foot_before = -sign * (before - circle.centres[0]) / circle.radii[0] ** 2
+    from_next = foot + sign * unit(polygon[(j + 1) % len(polygon)] - polygon[j]) / r[j, None]
+    from_last = foot_before + sign * side / r[j, None]
+    return np.asarray(0.5 * (from_next + from_last))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Dual:
+    """The dual of an s-isothermic net.
+
+    Attributes
+    ----------
+    net : the dual, with radii 1 / r
+    labels : (E,) +1 and -1, alternating round every face
+    closing : how far the worst edge is from closing, in parts of the diameter
+    """
+
+    net: SIsothermic
+    labels: Ints
+    closing: float
+
+
+def dual(net: SIsothermic, labels: Ints | None = None) -> Dual:
+    """The dual s-isothermic net: edges e / (r_i r_j) with alternating signs, spheres 1 / r.
+
+    Parameters
+    ----------
+    labels : (E,) +1 and -1 alternating round every face; found by default (`label_edges`)
+
+    Raises
+    ------
+    MeshError
+        No labelling exists: names the faces; or the mesh has several components.
+    DegenerateError
+        The edges do not close: the net is not s-isothermic, or its dual has a period round a hole.
+
+    Source: maths.md 7.4, 7.5.
+    """
+    signs = label_edges(net.mesh) if labels is None else labels
+    i, j = net.mesh.edges.T
+    scale = signs / (net.radii[i] * net.radii[j])
+    points, closing = integrate(net.mesh, scale[:, None] * net.mesh.edge_vectors)
+    radii = np.divide(1.0, net.radii, out=np.zeros_like(net.radii), where=net.radii > 0)
+    return Dual(SIsothermic(net.mesh.with_vertices(points), radii), signs, closing)
+
+
+def integrate(mesh: Mesh, edges: Floats, closing: float = CLOSING) -> tuple[Floats, float]:
+    """Vertices (V, 3) of mean zero from edge vectors (E, 3), and how far the worst edge misses.
+
+    Raises
+    ------
+    MeshError
+        Several components.
+    DegenerateError
+        An edge misses by more than `closing` times the diameter.
+    """
+    if edges.shape != mesh.edge_vectors.shape:
+        raise InputError(f"edge vectors have shape {edges.shape}; expected {(mesh.n_edges, 3)}")
+    used = mesh.valences > 0
+    start, end = mesh.edges.T
+    points, reached = tree_sums(mesh.n_vertices, start, end, edges, int(used.argmax()))
+    lost = np.flatnonzero(used & ~reached)
+    if len(lost):
+        raise MeshError(
+            f"disconnected: no edges lead from vertex {int(used.argmax())} to vertex {lost[0]}; "
+            "take one component at a time"
+        )
+    points[used] -= points[used].mean(axis=0)
+    miss = np.linalg.norm(points[end] - points[start] - edges, axis=1)
+    worst = int(miss.argmax())
+    diameter = float(np.linalg.norm(np.ptp(points[used], axis=0)))
+    if not miss[worst] <= closing * diameter:
+        raise DegenerateError(
+            f"the net does not close: edge {worst} misses by {miss[worst] / diameter:.1e} of the "
+            f"diameter (limit {closing:g})\n"
+            + (
+                "it is not s-isothermic, or not simply connected with a period of this size: cut "
+                "it open or take a simply connected piece"
+            )
+        )
+    return points, float(miss[worst] / diameter)
