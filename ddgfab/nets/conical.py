@@ -170,7 +170,9 @@ def cone_axes(points: ArrayLike) -> Floats:
 def best_normal(points: ArrayLike) -> Floats:
     """(3,) the first normal for which the reflected vertex normals are nearest to the surface's.
 
-    Reflected normals depend linearly on the first one, so the nearest is found in closed form.
+    Reflected normals depend linearly on the first one, so the nearest is found in closed form. The
+    surface's normals are means over four faces; at the boundary they would be one-sided, and the
+    reflected ones then alternate, so that inner vertices alone count where there are any.
 
     Source: least squares on the two-parameter family of maths.md 2.7.
     """
@@ -181,7 +183,8 @@ def best_normal(points: ArrayLike) -> Floats:
     for i in (0, 1):
         for j in (0, 1):
             target[i : len(x) - 1 + i, j : x.shape[1] - 1 + j] += faces
-    return unit(np.einsum("ijkl,ijk->l", moved, unit(target)))
+    inner = tuple(slice(1, -1) if count > 2 else slice(None) for count in x.shape[:2])
+    return unit(np.einsum("ijkl,ijk->l", moved[inner], unit(target[inner])))
 
 
 def circular_to_conical(points: ArrayLike, first: ArrayLike | None = None) -> Floats:

@@ -146,7 +146,7 @@ def test_best_normal_is_nearest() -> None:
     first = best_normal(x)
 
     def distance(start: Floats) -> float:
-        return float(np.sum((vertex_normals(x, start) - target) ** 2))
+        return float(np.sum((vertex_normals(x, start) - target)[1:-1, 1:-1] ** 2))
 
     for tilt in np.random.default_rng(2).normal(size=(6, 3)) * 0.1:
         assert distance(unit(first + tilt)) > distance(first)
