@@ -70,7 +70,7 @@ class Layout:
         """(..., width) unknowns of elements (...) of a block."""
         width = self.widths[self._find(name)]
         ids = np.asarray(elements, dtype=np.int64)
-        return self.block(name).start + width * ids[..., None] + np.arange(width)
+        return np.asarray(self.block(name).start + width * ids[..., None] + np.arange(width))
 
     def values(self, x: Floats, name: str) -> Floats:
         """(count, width) values of a block: a view of x."""

@@ -1,9 +1,7 @@
 """Damped sequential quadratic programming with Gauss-Newton Hessians on sparse terms.
 
-Minimise sum of weight * |residual|^2 / 2 over soft terms under residual = 0 of hard terms. Each
-step solves [[H, C'], [C, -eps]] with H = sum weight J'J + damping. Where H is diagonal (nothing but
-closeness) the Schur complement C H^-1 C' + eps is factored instead: one unknown an equation, the
-dual Gauss-Newton step.
+Minimise sum of weight * |residual|^2 / 2 over soft terms under residual = 0 of hard terms. How the
+linear system of a step is solved depends on the terms: see `systems`.
 """
 
 from __future__ import annotations
@@ -12,12 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import block_array, csr_array, diags_array, eye_array, vstack
+from scipy.sparse import csr_array, dia_array, diags_array, eye_array, vstack
 
 from ddgfab.errors import OptimizeError
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, Ints
 from ddgfab.optimize.linear import SymmetricSolver
-from ddgfab.optimize.problem import Problem
+from ddgfab.optimize.problem import Problem, Term
+from ddgfab.optimize.systems import Direct, Dual, Fair, FairMetric, StepSystem
 
 
 @dataclass(frozen=True)
@@ -34,8 +33,12 @@ class SolveOptions:
     """Weight of |step|^2 (in parts of `Problem.scale`) at the beginning and at least."""
     regularisation: float = 1e-9
     """Weight of the multipliers: mends hard terms that depend on each other."""
-    longest_step: float = 1.0
+    longest_step: float = np.inf
     """No unknown moves by more than this (in parts of `Problem.scale`) in a step."""
+    forcing: float = 0.1
+    """Part of the hard residuals that conjugate gradients may leave in a step."""
+    iterations: int = 80
+    """Conjugate gradient iterations in a step."""
 
 
 @dataclass(frozen=True)
@@ -82,60 +85,58 @@ class _State:
     def merit(self, penalty: float) -> float:
         return self.objective + penalty * float(np.abs(self.values).sum())
 
-    def derivatives(self) -> tuple[csr_array, Floats, csr_array]:
-        """Gauss-Newton Hessian, gradient, Jacobian of the hard terms."""
-        problem = self.problem
-        free = np.flatnonzero(problem.free)
-        scale = diags_array(problem.scale[free])
-        size = len(free)
-        hessian, gradient = csr_array((size, size)), np.zeros(size)
-        soft = (t for t in problem.terms if not t.hard)
-        for term, (weight, residual) in zip(soft, self.soft, strict=True):
+    def gradient_and_lines(self) -> tuple[Floats, csr_array]:
+        """Gradient of the soft terms, Jacobian of the hard ones."""
+        free, scale = self._free()
+        gradient = np.zeros(len(free))
+        for term, (weight, residual) in zip(self._soft(), self.soft, strict=True):
+            slope = weight * (term.jacobian(self.x).T @ residual)
+            gradient += np.asarray(slope)[free] * scale.diagonal()
+        hard = [t.jacobian(self.x) for t in self.problem.terms if t.hard]
+        if not hard:
+            return gradient, csr_array((0, len(free)))
+        whole = csr_array(vstack(hard, format="csr"))
+        lines = whole if len(free) == len(self.x) else whole[:, free]
+        return gradient, csr_array(lines @ scale)
+
+    def hessian(self, damping: float) -> csr_array:
+        """Gauss-Newton Hessian of the soft terms plus the damping."""
+        free, scale = self._free()
+        total = damping * eye_array(len(free))
+        for term in self._soft():
             matrix = csr_array(term.jacobian(self.x)[:, free] @ scale)
-            hessian = hessian + weight * (matrix.T @ matrix)
-            gradient += weight * (matrix.T @ residual)
-        hard = [csr_array(t.jacobian(self.x)[:, free] @ scale) for t in problem.terms if t.hard]
-        lines = csr_array(vstack(hard, format="csr")) if hard else csr_array((0, size))
-        return csr_array(hessian), gradient, lines
+            total = total + term.weight * (matrix.T @ matrix)
+        return csr_array(total)
+
+    def _soft(self) -> list[Term]:
+        return [t for t in self.problem.terms if not t.hard]
+
+    def _free(self) -> tuple[Ints, dia_array]:
+        free = np.flatnonzero(self.problem.free)
+        return free, diags_array(self.problem.scale[free])
 
 
-def _system(
-    solver: SymmetricSolver,
-    parts: tuple[csr_array, Floats, csr_array],
-    damping: float,
-    eps: float,
-) -> Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]:
-    """Function (gradient, values, force) -> step in scaled free unknowns, multipliers.
+class _Stepper:
+    """Chooses the route of the linear systems once, and factors them."""
 
-    `force` are the multipliers of the step before: the proximal term pulls towards them, so that
-    it mends dependent equations without a bias on the others.
-    """
-    hessian, _, lines = parts
-    rows, size = lines.shape
-    damped = csr_array(hessian + damping * eye_array(size))
-    if rows == 0:
-        free = solver.factor(damped)
-        return lambda gradient, values, force: (free(-gradient), force)
-    if damped.nnz == size:
-        inverse = 1.0 / damped.diagonal()
-        scaled = csr_array(lines @ diags_array(inverse))
-        product = csr_array(scaled @ lines.T)
-        mend = eps * float(product.diagonal().mean())
-        dual = solver.factor(product + mend * eye_array(rows))
+    def __init__(self, problem: Problem, options: SolveOptions) -> None:
+        self._options = options
+        self._solver = SymmetricSolver()
+        self._metric = None
+        if any(t.hard for t in problem.terms):
+            self._metric = FairMetric.of(problem, options.damping)
 
-        def through(gradient: Floats, values: Floats, force: Floats) -> tuple[Floats, Floats]:
-            new = dual(values - scaled @ gradient + mend * force)
-            return -inverse * (gradient + lines.T @ new), new
-
-        return through
-    mend = eps * float(lines.multiply(lines).sum()) / rows
-    whole = solver.factor(block_array([[damped, lines.T], [lines, -mend * eye_array(rows)]]))
-
-    def direct(gradient: Floats, values: Floats, force: Floats) -> tuple[Floats, Floats]:
-        both = whole(np.concatenate([-gradient, -values - mend * force]))
-        return both[:size], both[size:]
-
-    return direct
+    def system(self, state: _State, lines: csr_array, damping: float) -> StepSystem:
+        """The system of a step from a state."""
+        chosen = self._options
+        if self._metric is not None:
+            if self._metric.diagonal is None:
+                return Fair(
+                    self._metric.solve, lines, csr_array(lines.T), chosen.forcing, chosen.iterations
+                )
+            diagonal = np.repeat(self._metric.diagonal, 3) + damping
+            return Dual.of(self._solver, diagonal, lines, chosen.regularisation)
+        return Direct.of(self._solver, state.hessian(damping), lines, chosen.regularisation)
 
 
 def solve(
@@ -164,21 +165,17 @@ def solve(
     Source: Nocedal, Wright 2006, ch. 18 (l1 merit); damping after Levenberg and Marquardt.
     """
     chosen = options or SolveOptions()
-    solver = SymmetricSolver()
-    state = _State(problem, problem.start.copy())
+    state, stepper = _State(problem, problem.start.copy()), _Stepper(problem, chosen)
     damping, penalty, status = chosen.damping, 0.0, "stopped"
     force = np.zeros(len(state.values))
     history: list[Step] = []
     for number in range(chosen.max_steps):
-        parts = state.derivatives()
-        system = _system(solver, parts, damping, chosen.regularisation)
-        move, new = system(parts[1], state.values, force)
+        gradient, lines = state.gradient_and_lines()
+        system = stepper.system(state, lines, damping)
+        move, new = system.step(gradient, state.values, force)
         penalty = max(1.5 * float(np.abs(new).max(initial=0.0)), 0.3 * penalty)
 
-        def mended(values: Floats) -> Floats:
-            return system(np.zeros(len(move)), values, np.zeros(len(new)))[0]
-
-        after, length, longest = _search(state, move, penalty, chosen.longest_step, mended)
+        after, length, longest = _search(state, system, move, penalty, chosen.longest_step)
         if after is None:
             damping = max(100 * damping, 1e-4)
             if damping > 1e6:
@@ -205,11 +202,7 @@ def solve(
 
 
 def _search(
-    state: _State,
-    move: Floats,
-    penalty: float,
-    longest: float,
-    mended: Callable[[Floats], Floats],
+    state: _State, system: StepSystem, move: Floats, penalty: float, longest: float
 ) -> tuple[_State | None, float, float]:
     """The state after the longest of some shorter and shorter steps that lowers the merit.
 
@@ -234,7 +227,8 @@ def _search(
             return after, length, length * greatest
         if halving == 0 and len(after.values):
             bend = after.values - (1 - length) * state.values
-            after = at(length * move + mended(bend))
+            mended, _ = system.step(np.zeros(len(move)), bend, np.zeros(len(bend)))
+            after = at(length * move + mended)
             if after.merit(penalty) <= limit:
                 return after, length, length * greatest
         length /= 2

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from ddgfab.optimize.terms.base import LinearTerm, LocalTerm, widened
+from ddgfab.optimize.terms.base import LinearTerm, LocalTerm, VectorTerm, widened
 from ddgfab.optimize.terms.planarity import Planarity, planarity_terms
-from ddgfab.optimize.terms.shape import closeness, fairness, laplacian_fairness
+from ddgfab.optimize.terms.shape import closeness, fairness, laplacian_fairness, strain
 
 __all__ = [
     "LinearTerm",
     "LocalTerm",
     "Planarity",
+    "VectorTerm",
     "closeness",
     "fairness",
     "laplacian_fairness",
     "planarity_terms",
+    "strain",
     "widened",
 ]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, eye_array, kron
 
 from ddgfab.mesh import Floats, Ints
 
@@ -68,6 +69,40 @@ class LinearTerm:
 
     def jacobian(self, x: Floats) -> csr_array:
         """(m, n) derivative: the matrix, widened where blocks of unknowns were added."""
+        return widened(self.matrix, len(x))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class VectorTerm:
+    """Residuals S X - B of the (V, 3) vertices: one scalar matrix for all three coordinates.
+
+    What `solve` needs to know of such terms is V x V, so problems whose soft terms are all of this
+    kind are the fast ones.
+
+    Attributes
+    ----------
+    scalar : (m, V) sparse matrix S
+    target : (m, 3) B
+    """
+
+    name: str
+    scalar: csr_array
+    target: Floats
+    weight: float = 1.0
+    hard: bool = False
+
+    @cached_property
+    def matrix(self) -> csr_array:
+        """(3m, 3V) the same matrix for the flat vector of unknowns."""
+        return csr_array(kron(self.scalar, eye_array(3), format="csr"))
+
+    def residual(self, x: Floats) -> Floats:
+        """(3m,) residuals at the unknowns x."""
+        points = x[: 3 * self.scalar.shape[1]].reshape(-1, 3)
+        return np.asarray(self.scalar @ points - self.target).ravel()
+
+    def jacobian(self, x: Floats) -> csr_array:
+        """(3m, n) derivative: the matrix, widened where blocks of unknowns were added."""
         return widened(self.matrix, len(x))
 
 

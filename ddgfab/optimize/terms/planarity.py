@@ -90,7 +90,7 @@ class Planarity(LocalTerm):
         across = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
         slope = self.basis[..., None] * normal[:, None]
         slope += np.cross(across, (offset / (2 * length))[:, None])
-        return slope.reshape(len(local), -1)
+        return np.asarray(slope.reshape(len(local), -1))
 
 
 def planarity_terms(

@@ -1,51 +1,52 @@
-"""Wishes about shape: closeness to given positions, fairness of polylines, Laplacian fairness."""
+"""Wishes about shape: closeness to given positions, fairness of polylines, Laplacian, strain."""
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, diags_array, eye_array, kron
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csr_array, diags_array
 
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
-from ddgfab.optimize.terms.base import LinearTerm
+from ddgfab.optimize.terms.base import VectorTerm
 
 
 def closeness(
     mesh: Mesh, target: Floats | None = None, weights: Floats | float = 1.0, *, weight: float = 1.0
-) -> LinearTerm:
+) -> VectorTerm:
     """Vertices near (V, 3) positions, by default where they are; weights (V,) if they differ.
 
     Residuals are distances in mean edges.
     """
-    unit = mean_edge(mesh)
     aim = mesh.vertices if target is None else target
-    part = np.broadcast_to(np.sqrt(weights), mesh.n_vertices) / unit
-    matrix = diags_array(np.repeat(part, 3)).tocsr()
-    return LinearTerm(
-        name="closeness", matrix=matrix, target=(part[:, None] * aim).ravel(), weight=weight
+    part = np.broadcast_to(np.sqrt(weights), mesh.n_vertices) / mean_edge(mesh)
+    return VectorTerm(
+        name="closeness",
+        scalar=csr_array(diags_array(part)),
+        target=part[:, None] * aim,
+        weight=weight,
     )
 
 
 def polyline_triples(mesh: Mesh) -> Ints:
     """(m, 3) consecutive vertices of the polylines of a mesh, the middle one second.
 
-    Polylines run straight through inner vertices of even valence (edge k to edge k + n/2), and
-    along the boundary through its vertices. At a boundary vertex of valence 2 m they end.
+    Polylines run straight through inner vertices of even valence (edge k to edge k + n/2) and
+    along the boundary through its vertices, but not round the boundary's corners (valence 2).
     """
-    triples = []
+    triples = [np.zeros((0, 3), dtype=np.int64)]
     inner = ~mesh.boundary_vertex & (mesh.valences > 0) & (mesh.valences % 2 == 0)
     for valence in np.unique(mesh.valences[inner]).tolist():
         ids = np.flatnonzero(inner & (mesh.valences == valence))
-        around = _neighbours(mesh, ids, valence)
+        edges = mesh.star_edges[mesh.star_start[ids, None] + np.arange(valence)]
+        around = _other_end(mesh, edges, ids[:, None])
         half = valence // 2
-        for k in range(half):
-            triples.append(np.stack([around[:, k], ids, around[:, k + half]], axis=1))
+        triples += [np.stack([around[:, k], ids, around[:, k + half]], axis=1) for k in range(half)]
     rim = np.flatnonzero(mesh.boundary_vertex & (mesh.valences > 2))
-    if len(rim):
-        first = _other_end(mesh, mesh.star_edges[mesh.star_start[rim]], rim)
-        last = _other_end(mesh, mesh.star_edges[mesh.star_start[rim + 1] - 1], rim)
-        triples.append(np.stack([first, rim, last], axis=1))
-    return np.concatenate(triples) if triples else np.zeros((0, 3), dtype=np.int64)
+    first = _other_end(mesh, mesh.star_edges[mesh.star_start[rim]], rim)
+    last = _other_end(mesh, mesh.star_edges[mesh.star_start[rim + 1] - 1], rim)
+    triples.append(np.stack([first, rim, last], axis=1))
+    return np.concatenate(triples)
 
 
 def _other_end(mesh: Mesh, edges: Ints, vertices: Ints) -> Ints:
@@ -54,17 +55,34 @@ def _other_end(mesh: Mesh, edges: Ints, vertices: Ints) -> Ints:
     return other
 
 
-def _neighbours(mesh: Mesh, vertices: Ints, valence: int) -> Ints:
-    """(n, valence) neighbours of vertices of one valence, counterclockwise."""
-    edges = mesh.star_edges[mesh.star_start[vertices, None] + np.arange(valence)]
-    return _other_end(mesh, edges, vertices[:, None])
+def second_differences(mesh: Mesh, features: Ints | None = None) -> csr_array:
+    """(m, V) rows x_0 - 2 x_1 + x_2 for the triples of all polylines.
 
-
-def second_differences(mesh: Mesh, triples: Ints) -> csr_array:
-    """(m, V) rows x_0 - 2 x_1 + x_2."""
+    Parameters
+    ----------
+    features : ids of edges; polylines may turn where they meet one, not where they run along it
+    """
+    triples = polyline_triples(mesh)
+    if features is not None and len(features):
+        triples = triples[_smooth_triples(mesh, triples, features)]
     rows = np.repeat(np.arange(len(triples)), 3)
     data = np.tile([1.0, -2.0, 1.0], len(triples))
     return csr_array((data, (rows, triples.ravel())), shape=(len(triples), mesh.n_vertices))
+
+
+def _smooth_triples(mesh: Mesh, triples: Ints, features: Ints) -> NDArray[np.bool_]:
+    """(m,) triples that meet no feature at their middle, or run along one."""
+    ends = np.sort(mesh.edges[np.asarray(features, dtype=np.int64)], axis=1)
+    keys = ends[:, 0] * mesh.n_vertices + ends[:, 1]
+    on = np.zeros(mesh.n_vertices, dtype=bool)
+    on[ends.ravel()] = True
+
+    def feature(a: Ints, b: Ints) -> NDArray[np.bool_]:
+        return np.isin(np.minimum(a, b) * mesh.n_vertices + np.maximum(a, b), keys)
+
+    along = feature(triples[:, 0], triples[:, 1]) & feature(triples[:, 1], triples[:, 2])
+    smooth: NDArray[np.bool_] = along | ~on[triples[:, 1]]
+    return smooth
 
 
 def laplacian(mesh: Mesh) -> csr_array:
@@ -77,31 +95,42 @@ def laplacian(mesh: Mesh) -> csr_array:
 
 
 def fairness(
-    mesh: Mesh, *, weight: float = 1.0, of_change: bool = False, skip: Ints | None = None
-) -> LinearTerm:
-    """Second differences along polylines; of the movement alone with `of_change`.
+    mesh: Mesh, *, weight: float = 1.0, smoothing: float = 1.0, features: Ints | None = None
+) -> VectorTerm:
+    """Polylines without bends: second differences, in mean edges.
 
     Parameters
     ----------
-    skip : ids of vertices that polylines may turn at: features
+    smoothing : 1 aims at straight polylines, 0 at bends as they are (so that the movement is
+        smooth, not the mesh), values between at bends that are smaller by this part
+    features : ids of edges across which polylines may turn
 
-    Residuals are in mean edges. Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3.
+    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3.
     """
-    triples = polyline_triples(mesh)
-    if skip is not None:
-        triples = triples[~np.isin(triples[:, 1], skip)]
-    return _vector_term(mesh, second_differences(mesh, triples), "fairness", weight, of_change)
+    return _fair(mesh, second_differences(mesh, features), "fairness", weight, smoothing)
 
 
-def laplacian_fairness(mesh: Mesh, *, weight: float = 1.0, of_change: bool = False) -> LinearTerm:
-    """Inner vertices near the mean of their neighbours; residuals in mean edges."""
-    return _vector_term(mesh, laplacian(mesh), "laplacian", weight, of_change)
+def laplacian_fairness(mesh: Mesh, *, weight: float = 1.0, smoothing: float = 1.0) -> VectorTerm:
+    """Inner vertices at the mean of their neighbours, in mean edges; `smoothing` as in `fairness`.
+
+    Also fair where polylines end: at vertices of odd valence, on hexagons and triangles.
+    """
+    return _fair(mesh, laplacian(mesh), "Laplacian fairness", weight, smoothing)
 
 
-def _vector_term(
-    mesh: Mesh, scalar: csr_array, name: str, weight: float, of_change: bool
-) -> LinearTerm:
-    unit = mean_edge(mesh)
-    matrix = csr_array(kron(scalar, eye_array(3), format="csr") / unit)
-    rest = matrix @ mesh.vertices.ravel() if of_change else np.zeros(matrix.shape[0])
-    return LinearTerm(name=name, matrix=matrix, target=rest, weight=weight)
+def strain(mesh: Mesh, *, weight: float = 1.0) -> VectorTerm:
+    """Edge vectors as they are: keeps lengths and angles, allows shifts. In mean edges."""
+    rows = np.repeat(np.arange(mesh.n_edges), 2)
+    data = np.tile([-1.0, 1.0], mesh.n_edges)
+    matrix = csr_array((data, (rows, mesh.edges.ravel())), shape=(mesh.n_edges, mesh.n_vertices))
+    return _fair(mesh, matrix, "strain", weight, 0.0)
+
+
+def _fair(mesh: Mesh, scalar: csr_array, name: str, weight: float, smoothing: float) -> VectorTerm:
+    matrix = csr_array(scalar / mean_edge(mesh))
+    return VectorTerm(
+        name=name,
+        scalar=matrix,
+        target=(1.0 - smoothing) * np.asarray(matrix @ mesh.vertices),
+        weight=weight,
+    )
