@@ -11,13 +11,14 @@ from typing import Final, TypeAlias
 
 from ddgfab.errors import DdgError, OutputError
 from fabrication.checks.crossing import crossings
-from fabrication.checks.file import check_step_part, check_stl_part
+from fabrication.checks.file import check_step_part, check_stl_part, check_threemf
 from fabrication.checks.mesh import check_mesh
 from fabrication.checks.solid import check_solid
 from fabrication.checks.whole import check_step_assembly
 from fabrication.export.glb import write_glb
 from fabrication.export.preview import write_preview
 from fabrication.export.step import (
+    COLOURS,
     Header,
     Material,
     Product,
@@ -26,6 +27,7 @@ from fabrication.export.step import (
     part_bytes,
 )
 from fabrication.export.stl import stl_bytes
+from fabrication.export.threemf import Body3MF, threemf_bytes
 from fabrication.solids import boundary_of, realise, second_volume_of, solid_of
 from fabrication.specs import Check, Family, Placement, Properties, Role, Shape, TriangleMesh
 
@@ -56,6 +58,7 @@ class PartSettings:
     schema: Schema
     header: Header
     materials: dict[Role, Material]
+    threemf: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +131,10 @@ def make_part(job: PartJob, settings: PartSettings) -> PartResult:
     if settings.stl:
         path = files["stl"] = settings.folder / "parts" / "stl" / f"{job.number}.stl"
         path.write_bytes(stl_bytes(made.mesh, job.number))
+    if settings.threemf:
+        path = files["3mf"] = settings.folder / "parts" / "3mf" / f"{job.number}.3mf"
+        body = Body3MF(job.number, made.mesh, COLOURS[job.role])
+        path.write_bytes(threemf_bytes([body], title=job.number))
     clock.lap("write")
     return PartResult(job, made.properties, made.mesh, tuple(checks), files, clock.seconds)
 
@@ -143,6 +150,8 @@ def verify_parts(tasks: Sequence[VerifyTask]) -> tuple[dict[str, list[Check]], f
             found[number] += check_step_part(files["step"], number=number, volume=volume)
         if "stl" in files:
             found[number] += check_stl_part(files["stl"], mesh)
+        if "3mf" in files:
+            found[number] += check_threemf(files["3mf"], [(number, mesh, 1)])
     return found, time.perf_counter() - begin
 
 
