@@ -1,4 +1,4 @@
-"""Profiles, bolts, node stock and materials: data files with their sources, and their loader."""
+"""Profiles, bolts, node stock, materials, printers: data files with sources, and their loaders."""
 
 from fabrication.standards.data import (
     bolt_end_distance,
@@ -9,9 +9,11 @@ from fabrication.standards.data import (
     node_diameters,
     stock_size,
 )
+from fabrication.standards.printers import Printer, printer, printer_keys
 from fabrication.standards.profiles import polygon, profile
 
 __all__ = [
+    "Printer",
     "bolt_end_distance",
     "bolt_hole",
     "bolt_least_distance",
@@ -19,6 +21,8 @@ __all__ = [
     "nearest",
     "node_diameters",
     "polygon",
+    "printer",
+    "printer_keys",
     "profile",
     "stock_size",
 ]

@@ -1,0 +1,226 @@
+"""From a mechanism to the parts of its kit: links, pins, caps, spacers, coupon, with placements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from ddgfab.linkages import Mechanism, Pose
+from ddgfab.mesh import Floats, Ints
+from fabrication.families import families
+from fabrication.linkage.coupon import coupon_shape, pin_for_test
+from fabrication.linkage.labels import label_for, short_number
+from fabrication.linkage.levels import even_levels
+from fabrication.linkage.settings import LinkageSettings
+from fabrication.linkage.shapes import Seat, heights_of, link_shapes, seats_of
+from fabrication.linkspecs import LinkShape, PinShape
+from fabrication.specs import Family, Fitting, Link, Piece, Pin, Placement, Role
+
+LINK_TOLERANCE: Final = 1e-6
+"""Links are congruent within this [mm]: linkages with redundant bars allow no more."""
+
+ASIDE: Final = 20.0
+"""How far [mm] below the linkage its coupon is shown."""
+
+
+@dataclass(frozen=True)
+class StackItem:
+    """A piece on a pin, from `low` to `high` [mm] along the hinge's axis."""
+
+    mark: str
+    role: Role
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class Linkage:
+    """The parts of a mechanism in its design pose.
+
+    Attributes
+    ----------
+    mechanism, settings : what they were made from
+    pieces : links by bar, pins by hinge, caps and spacers by hinge from below, coupon, test pin
+    families : their part numbers; the links' labels name them
+    levels : (E, 2) of the bars' ends, from 0 along the axes
+    heights : (E, 2) of the eyes' middles along their axes [mm]
+    stacks : what is on each pin, from below, the pin itself first
+    notes : what a maker has to hear
+    """
+
+    mechanism: Mechanism
+    settings: LinkageSettings
+    pieces: tuple[Piece, ...]
+    families: tuple[Family, ...]
+    levels: Ints
+    heights: Floats
+    stacks: tuple[tuple[StackItem, ...], ...]
+    notes: tuple[str, ...]
+
+    def placements_at(self, pose: Pose) -> dict[str, Placement]:
+        """Placements (4, 4) of all pieces of the mechanism in a pose, by mark.
+
+        The coupon and its pin are no part of the mechanism and are left out.
+        """
+        links = self.mechanism.bar_frames(pose)
+        hinges = hinge_frames(self.mechanism, pose)
+        placed: dict[str, Placement] = {}
+        for piece in self.pieces:
+            if isinstance(piece, Link):
+                placed[piece.mark] = links[piece.bar]
+            elif isinstance(piece, Pin | Fitting) and piece.hinge is not None:
+                placed[piece.mark] = hinges[piece.hinge] @ self._seat[piece.mark]
+        return placed
+
+    @property
+    def _seat(self) -> dict[str, Floats]:
+        """Placement of pins and fittings in the frame of their hinge."""
+        design = hinge_frames(self.mechanism, self.mechanism.pose(self.mechanism.design))
+        return {
+            piece.mark: np.linalg.inv(design[piece.hinge]) @ piece.placement
+            for piece in self.pieces
+            if isinstance(piece, Pin | Fitting) and piece.hinge is not None
+        }
+
+
+def hinge_frames(mechanism: Mechanism, pose: Pose) -> Floats:
+    """(V, 4, 4) frames of the hinges: origin x_v, z the axis, turning with the first bar there."""
+    frames = np.zeros((mechanism.n_hinges, 4, 4))
+    frames[:, 3, 3] = 1.0
+    bars = mechanism.bar_frames(pose)
+    seen = np.full(mechanism.n_hinges, -1)
+    for bar in range(mechanism.n_bars - 1, -1, -1):
+        seen[mechanism.bars[bar]] = bar
+    x = bars[seen, :3, 0]
+    z = pose.axes
+    frames[:, :3, 0], frames[:, :3, 1], frames[:, :3, 2] = x, np.cross(z, x), z
+    frames[:, :3, 3] = pose.points
+    return frames
+
+
+def detail_linkage(
+    mechanism: Mechanism, settings: LinkageSettings, levels: Ints | None = None
+) -> Linkage:
+    """Parts of a mechanism, in its design pose.
+
+    Parameters
+    ----------
+    levels : (E, 2) of the bars' ends; chosen by `fabrication.linkage.levels` when not given
+
+    Raises
+    ------
+    DetailError
+        A link or pin that cannot be made: it is named, with the value, the limit and what helps;
+        or no levels keep the bars apart: their pins are named.
+    """
+    if levels is None:
+        levels = next(even_levels(mechanism, settings.max_levels))
+    heights = heights_of(levels, settings)
+    shapes = link_shapes(mechanism, heights, settings)
+    pose = mechanism.pose(mechanism.design)
+    links = _links(mechanism, levels, shapes, pose)
+    numbers = {
+        instance.mark: family.number
+        for family in families(links, LINK_TOLERANCE)
+        for instance in family.instances
+    }
+    notes: list[str] = []
+    links = [_labelled(link, numbers[link.mark], settings, notes) for link in links]
+    stacks = seats_of(mechanism, heights, settings)
+    fittings, items = _fittings(stacks, hinge_frames(mechanism, pose), pose)
+    pieces: list[Piece] = [*links, *fittings]
+    if settings.coupon:
+        pieces += _coupon(settings, pose)
+    return Linkage(
+        mechanism,
+        settings,
+        tuple(pieces),
+        families(pieces, LINK_TOLERANCE),
+        levels,
+        heights,
+        items,
+        tuple(dict.fromkeys(notes)),
+    )
+
+
+def _links(mechanism: Mechanism, levels: Ints, shapes: list[LinkShape], pose: Pose) -> list[Link]:
+    frames = mechanism.bar_frames(pose)
+    links = []
+    for bar, (i, j) in enumerate(mechanism.bars.tolist()):
+        links.append(
+            Link(
+                mark=f"L-{bar:04d}",
+                bar=bar,
+                hinges=(i, j),
+                pins=(f"H-{i:04d}", f"H-{j:04d}"),
+                strip=int(mechanism.strips[bar]),
+                direction=int(mechanism.directions[bar]),
+                levels=(int(levels[bar, 0]), int(levels[bar, 1])),
+                shape=shapes[bar],
+                placement=frames[bar],
+            )
+        )
+    return links
+
+
+def _labelled(link: Link, number: str, settings: LinkageSettings, notes: list[str]) -> Link:
+    """The link with its part number on it, where there is room."""
+    label = label_for(link.shape, short_number(number), settings)
+    if label is None:
+        if settings.label != "none":
+            notes.append(f"{number} has no label: its bar is too small for legible letters")
+        return link
+    return replace(link, shape=replace(link.shape, label=label))
+
+
+def _fittings(
+    stacks: list[list[Seat]], frames: Floats, pose: Pose
+) -> tuple[list[Piece], tuple[tuple[StackItem, ...], ...]]:
+    """Pins by hinge, then caps and spacers by hinge; and the stacks by mark."""
+    pins: list[Piece] = []
+    others: list[Piece] = []
+    items = []
+    for hinge, stack in enumerate(stacks):
+        row = []
+        count = {"cap": 0, "spacer": 0}
+        for seat in stack:
+            if seat.bar is not None:
+                mark = f"L-{seat.bar:04d}"
+            elif seat.role == "pin":
+                mark = f"H-{hinge:04d}"
+            else:
+                mark = f"{'C' if seat.role == 'cap' else 'S'}-{hinge:04d}-{count[seat.role]}"
+                count[seat.role] += 1
+            row.append(StackItem(mark, seat.role, seat.low, seat.high))
+            if seat.shape is None:
+                continue
+            motion = np.eye(4)
+            motion[2, 3] = seat.low
+            if seat.turned:
+                motion[[1, 2], [1, 2]] = -1.0
+                motion[2, 3] = seat.high
+            placement = frames[hinge] @ motion
+            if isinstance(seat.shape, PinShape):
+                pins.append(
+                    Pin(mark, hinge, pose.points[hinge], pose.axes[hinge], seat.shape, placement)
+                )
+            else:
+                others.append(Fitting(mark, seat.role, hinge, seat.shape, placement))
+        items.append(tuple(row))
+    return pins + others, tuple(items)
+
+
+def _coupon(settings: LinkageSettings, pose: Pose) -> list[Piece]:
+    """The coupon and its test pin, below the linkage."""
+    low = pose.points.min(axis=0)
+    place = np.eye(4)
+    place[:3, 3] = low - ASIDE - np.array([0.0, 0.0, settings.eye_height])
+    beside = place.copy()
+    beside[1, 3] -= ASIDE
+    shape = pin_for_test(settings)
+    return [
+        Fitting("T-0000", "coupon", None, coupon_shape(settings), place),
+        Pin("T-0001", None, beside[:3, 3], np.array([0.0, 0.0, 1.0]), shape, beside),
+    ]
