@@ -73,7 +73,23 @@ from ddgfab.nets.isothermic import (
     isothermic_residuals,
 )
 from ddgfab.nets.knet import CauchyData, KNet, knet, oriented_angle
+from ddgfab.nets.knet_amsler import amsler
+from ddgfab.nets.knet_angles import (
+    angle_coefficient,
+    angle_relation_defect,
+    chi_of_phi,
+    evolve_hirota,
+    hirota_potential,
+    hirota_residual,
+    product_defect,
+    quad_angles,
+    vertex_angle_defect,
+)
+from ddgfab.nets.knet_breather import breather
+from ddgfab.nets.knet_crab import CrabNet, crab_net, string_forces, string_tensions
+from ddgfab.nets.knet_dini import dini, pseudosphere, vacuum
 from ddgfab.nets.knet_evolve import evolve_spherical, spherical_fourth
+from ddgfab.nets.knet_quad import SkewParallelogram, skew_parallelogram
 from ddgfab.nets.knet_recover import KNetRecovery, knet_from_mesh, recover_knet
 from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
 from ddgfab.nets.miquel import (
@@ -97,17 +113,24 @@ from ddgfab.nets.translation import translation_net
 
 __all__ = [
     "CauchyData",
+    "CrabNet",
     "KNet",
     "KNetRecovery",
+    "SkewParallelogram",
+    "amsler",
     "anet_from_moutard",
     "angle_balance",
+    "angle_coefficient",
+    "angle_relation_defect",
     "angle_sum_defect",
     "axis_coplanarity",
     "axis_intersections",
     "best_normal",
+    "breather",
     "canal_circles",
     "canal_net",
     "canopy",
+    "chi_of_phi",
     "circle_axes",
     "circular_residuals",
     "circular_to_conical",
@@ -125,17 +148,20 @@ __all__ = [
     "conj_residual",
     "conjugate_residuals",
     "coordinate_surfaces",
+    "crab_net",
     "cross_ratio",
     "cross_ratio_labels",
     "cross_ratios",
     "cube_point",
     "cube_xi",
+    "dini",
     "evolve_3d",
     "evolve_by_angles",
     "evolve_by_cross_ratio",
     "evolve_circular",
     "evolve_circular_by_angles",
     "evolve_conjugate",
+    "evolve_hirota",
     "evolve_isothermic",
     "evolve_moutard",
     "evolve_nd",
@@ -146,6 +172,8 @@ __all__ = [
     "fourth_by_t",
     "generate",
     "grid_mesh",
+    "hirota_potential",
+    "hirota_residual",
     "interior_angles",
     "isothermic_point",
     "isothermic_residuals",
@@ -165,20 +193,28 @@ __all__ = [
     "phi_inverse",
     "planarity",
     "planarity_flagged",
+    "product_defect",
     "profile_polyline",
+    "pseudosphere",
+    "quad_angles",
     "quad_volume_density",
     "quad_volumes",
     "recover_knet",
     "rotational_net",
     "sample",
     "seen_from_opposite",
+    "skew_parallelogram",
     "sphere_defect",
     "spherical_fourth",
     "stack_transforms",
     "star_edges",
     "star_flatness",
     "star_triangle",
+    "string_forces",
+    "string_tensions",
     "tangent_normals",
     "translation_net",
+    "vacuum",
+    "vertex_angle_defect",
     "vertex_normals",
 ]

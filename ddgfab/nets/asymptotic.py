@@ -79,7 +79,7 @@ def star_flatness(points: ArrayLike, periodic: Sequence[bool] | None = None) -> 
 
     Source: maths.md 3.1.
     """
-    values: Floats = np.linalg.svd(star_edges(points, periodic), compute_uv=False)
+    values = np.asarray(np.linalg.svd(star_edges(points, periodic), compute_uv=False))
     return values[..., 2] if values.shape[-1] > 2 else np.zeros(values.shape[:-1])
 
 

@@ -206,7 +206,7 @@ def _fronts(sizes: tuple[int, ...], subset: tuple[int, ...]) -> Iterator[Ints]:
     index = np.indices([sizes[k] - 1 for k in subset]).reshape(len(subset), -1) + 1
     full = np.zeros((len(sizes), index.shape[1]), dtype=np.int64)
     full[list(subset)] = index
-    flat = np.ravel_multi_index(tuple(full), sizes)
+    flat = np.asarray(np.ravel_multi_index(tuple(full), sizes))
     level = index.sum(axis=0)
     order = np.argsort(level, kind="stable")
     yield from np.split(flat[order], np.flatnonzero(np.diff(level[order])) + 1)

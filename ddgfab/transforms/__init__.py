@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ddgfab.transforms.baecklund import baecklund, baecklund_from, baecklund_lattice, bianchi
 from ddgfab.transforms.christoffel import christoffel_dual
 from ddgfab.transforms.darboux import darboux, darboux_common, darboux_dual
 from ddgfab.transforms.moebius import Moebius, invert, invert_normals
@@ -14,6 +15,10 @@ from ddgfab.transforms.parallel import (
 
 __all__ = [
     "Moebius",
+    "baecklund",
+    "baecklund_from",
+    "baecklund_lattice",
+    "bianchi",
     "christoffel_dual",
     "combescure",
     "darboux",
