@@ -11,13 +11,11 @@ from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order
 
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.support.edge import koebe_field
 from ddgfab.support.exact import cone_field, reflected_axes
-from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 OFFSET_RELATIVE: Final = 1e-9
 """Distances count as constant, and edges as parallel, below this spread relative to their size."""
@@ -149,87 +147,6 @@ def edge_offset(mesh: Mesh, distance: float) -> Mesh:
     """
     field = koebe_field(mesh)
     return mesh.with_vertices(mesh.vertices + distance * field)
-
-
-def koebe_field(mesh: Mesh) -> Floats:
-    """(V, 3) vertices of the parallel Koebe net: every edge touches the unit sphere.
-
-    The edges at a vertex touch a sphere just when they lie on a cone of revolution, whose axis
-    solves <u_i, a> = 1 for the unit edges u_i; |k| is 1 / sin of its angle. Where the mesh is a
-    saddle, one family of its edges runs against that of the Koebe net, so u_i changes sign.
-    Corners with two edges follow from their neighbours.
-
-    Raises
-    ------
-    DegenerateError
-        The mesh is not parallel to a Koebe net; names the worst edge, or the vertex.
-
-    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3.3; maths.md 10.6, 7.4.
-    """
-    patterns = [np.ones(mesh.n_edges)]
-    alternate = _alternate(mesh)
-    if alternate is not None:
-        patterns.append(alternate)
-    failures: list[DegenerateError] = []
-    for signs in patterns:
-        try:
-            field = _touching(mesh, signs)
-            if np.einsum("vx,vx->", field, mesh.vertex_normals) < 0:
-                field = -field
-            _refuse(mesh, field, "edge", "parallel to a Koebe net")
-        except DegenerateError as error:
-            failures.append(error)
-        else:
-            return field
-    raise failures[0]
-
-
-def _alternate(mesh: Mesh) -> Floats | None:
-    """(E,) +1 and -1 so that neighbours in every face differ; None where that cannot be."""
-    first, second = mesh.corner_edge, mesh.corner_edge[mesh.corner_next]
-    graph = coo_array(
-        (np.ones(len(first)), (first, second)), shape=(mesh.n_edges, mesh.n_edges)
-    ).tocsr()
-    depth = np.full(mesh.n_edges, -1)
-    for edge in range(mesh.n_edges):
-        if depth[edge] >= 0:
-            continue
-        order, before = breadth_first_order(graph, edge, directed=False)
-        depth[edge] = 0
-        for follower in order[1:]:
-            depth[follower] = depth[before[follower]] + 1
-    signs = 1.0 - 2.0 * (depth % 2)
-    return None if (signs[first] == signs[second]).any() else signs
-
-
-def _touching(mesh: Mesh, signs: Floats) -> Floats:
-    """Field of `koebe_field` for given signs of the edges."""
-    field = np.zeros_like(mesh.vertices)
-    known = np.zeros(mesh.n_vertices, dtype=bool)
-    along = unit(mesh.edge_vectors) * signs[:, None]
-    for valence in np.unique(mesh.valences[mesh.valences > 2]).tolist():
-        ids = np.flatnonzero(mesh.valences == valence)
-        edges = mesh.star_edges[mesh.star_start[ids, None] + np.arange(valence)]
-        away = np.where(mesh.edges[edges, 0] == ids[:, None], 1.0, -1.0)
-        axis = np.linalg.pinv(along[edges] * away[..., None]).sum(axis=-1)
-        square = np.einsum("vx,vx->v", axis, axis)
-        good = square > 1.0  # 1 / cos^2 of the cone's angle
-        field[ids[good]] = -axis[good] / np.sqrt(square[good] - 1.0)[:, None]
-        known[ids[good]] = True
-    lines = unit(mesh.edge_vectors)
-    for vertex in np.flatnonzero(~known & (mesh.valences > 0)).tolist():
-        edges = mesh.star(vertex)[0]
-        ends = mesh.edges[edges].sum(axis=1) - vertex
-        edges, ends = edges[known[ends]], ends[known[ends]]
-        across = np.eye(3) - np.einsum("ki,kj->kij", lines[edges], lines[edges])
-        matrix = across.sum(axis=0)
-        if len(edges) < 2 or np.linalg.eigvalsh(matrix)[0] <= RELATIVE_DEGENERATE:
-            raise DegenerateError(
-                f"vertex {vertex}: its {mesh.valences[vertex]} edges lie on no cone of revolution, "
-                "so the mesh has no offset at a constant distance of edges"
-            )
-        field[vertex] = np.linalg.solve(matrix, np.einsum("kij,kj->i", across, field[ends]))
-    return field
 
 
 def exact_offset(mesh: Mesh, distance: float) -> tuple[Mesh, OffsetReport]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh
@@ -64,7 +64,7 @@ class KoebePolyhedron:
         """Sphere about each vertex through its contact points, orthogonal to the unit sphere."""
         return Spheres(self.mesh.vertices, self.radii)
 
-    def net(self, faces: Ints | None = None) -> SIsothermic:
+    def net(self, faces: Ints | NDArray[np.bool_] | None = None) -> SIsothermic:
         """The polyhedron, or the piece of some faces (ids or a mask), as an s-isothermic net.
 
         Raises

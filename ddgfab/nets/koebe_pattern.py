@@ -26,7 +26,7 @@ from scipy.special import spence
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.nets.trees import tree_sums
+from ddgfab.trees import tree_sums
 
 GRADIENT_TOLERANCE: Final = 1e-10
 """Newton stops when no angle sum misses 2 pi by more [rad]; a polishing step follows."""
@@ -86,7 +86,7 @@ class CirclePattern:
         lines = np.bincount(v, self.lines[f], self.count) + np.bincount(
             f, self.lines[v], self.count
         )
-        return 2.0 * np.pi - np.pi * lines
+        return np.asarray(2.0 * np.pi - np.pi * lines)
 
     def functional(self, rho: Floats) -> float:
         """S(rho), convex, of the logarithms rho (count,) of the radii; those of lines do not count.

@@ -38,7 +38,8 @@ def cube_cells(cells: int) -> Mesh:
     u, v = (grid.ravel() for grid in np.meshgrid(place, place, indexing="ij"))
     ids = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
     quads = np.stack([ids[:-1, :-1], ids[1:, :-1], ids[1:, 1:], ids[:-1, 1:]], axis=-1)
-    points, faces = [], []
+    points: list[Floats] = []
+    faces: list[Ints] = []
     for axis in range(3):
         for side in (-1.0, 1.0):
             side_points = np.empty((len(u), 3))

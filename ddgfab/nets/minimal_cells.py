@@ -7,18 +7,19 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from ddgfab.errors import DegenerateError, InputError, MeshError
-from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.mesh import Floats, Mesh
 from ddgfab.nets.koebe import KoebePolyhedron, koebe
 from ddgfab.nets.koebe_solids import cube_cells, pillow
 from ddgfab.nets.minimal import MinimalNet, minimal_surface
 from ddgfab.nets.sisothermic import CLOSING, SIsothermic
 from ddgfab.nets.sisothermic_labels import DoubleCover, double_cover, piece
-from ddgfab.nets.trees import tree_sums
+from ddgfab.trees import tree_sums
 
 JOIN = 1e-5
 """Vertices of copies nearer than this part of the shortest edge are one."""
@@ -210,7 +211,7 @@ def schwarz_p_cell(cells: int) -> PeriodicCell:
 
 
 def _patch(
-    solid: KoebePolyhedron, cover: DoubleCover, faces: Ints
+    solid: KoebePolyhedron, cover: DoubleCover, faces: NDArray[np.bool_]
 ) -> tuple[MinimalNet, dict[int, Floats]]:
     """Piece of the dual over some faces of the cover, centred; its vertices by their id there."""
     part = piece(cover.mesh, faces)

@@ -12,8 +12,8 @@ from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.nets.circles import Circles, Spheres
 from ddgfab.nets.sisothermic_labels import label_edges
-from ddgfab.nets.trees import tree_sums
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
+from ddgfab.trees import tree_sums
 
 CLOSING = 1e-9
 """A dual closes when no edge misses by more than this part of the diameter."""

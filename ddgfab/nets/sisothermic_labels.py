@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from ddgfab.errors import MeshError
 from ddgfab.mesh import Ints, Mesh
-from ddgfab.nets.trees import tree_sums
+from ddgfab.trees import alternating_signs, corner_graph
 
 SHOWN = 12
 """How many faces an error names."""
@@ -34,24 +35,14 @@ def label_edges(mesh: Mesh) -> Ints:
 
     Source: maths.md 7.5; S-quad-graphs: Bobenko, Hoffmann, Springborn 2006, section 2.
     """
-    first, second = mesh.corner_edge, mesh.corner_edge[mesh.corner_next]
-    graph = coo_array(
-        (np.ones(len(first), dtype=np.int8), (first, second)), shape=(mesh.n_edges, mesh.n_edges)
-    ).tocsr()
-    component = connected_components(graph, directed=False)[1]
-    parity = np.zeros(mesh.n_edges, dtype=np.int64)
-    for root in np.unique(component, return_index=True)[1].tolist():
-        depth, reached = tree_sums(mesh.n_edges, first, second, np.ones(len(first)), root)
-        parity[reached] = np.rint(depth[reached]).astype(np.int64) % 2
-    odd = np.flatnonzero(parity[first] == parity[second])
-    if len(odd):
-        link = int(first[odd[0]]), int(second[odd[0]])
-        raise MeshError(f"no labelling of edges: {_odd_cycle(mesh, graph, link)}")
-    return 1 - 2 * parity
+    signs, failing = alternating_signs(mesh)
+    if len(failing):
+        raise MeshError(f"no labelling of edges: {_odd_cycle(mesh, int(failing[0]))}")
+    return signs
 
 
-def _odd_cycle(mesh: Mesh, graph: csr_array, link: tuple[int, int]) -> str:
-    """Where signs cannot alternate: an odd face, an odd vertex, or else a ring through a link."""
+def _odd_cycle(mesh: Mesh, corner: int) -> str:
+    """Where signs cannot alternate: an odd face, an odd vertex, or a ring through a corner."""
     odd = np.flatnonzero(mesh.face_sizes % 2)
     if len(odd):
         names = ", ".join(map(str, odd[:SHOWN])) + (", ..." if len(odd) > SHOWN else "")
@@ -67,7 +58,8 @@ def _odd_cycle(mesh: Mesh, graph: csr_array, link: tuple[int, int]) -> str:
             f"{int(inner.sum())} inner vertices have an odd number of edges (the first is vertex "
             f"{vertex} between faces {faces})\n{_ADVICE}"
         )
-    before = breadth_first_order(graph, 0, directed=False)[1]
+    link = int(mesh.corner_edge[corner]), int(mesh.corner_edge[mesh.corner_next[corner]])
+    before = breadth_first_order(corner_graph(mesh), 0, directed=False)[1]
     ways: list[list[int]] = []
     for edge in link:
         ways.append([edge])
@@ -93,7 +85,7 @@ class Piece:
     faces: Ints
 
 
-def piece(mesh: Mesh, faces: Ints) -> Piece:
+def piece(mesh: Mesh, faces: Ints | NDArray[np.bool_]) -> Piece:
     """The given faces (ids, or a mask of all) as a mesh of their own.
 
     Raises
@@ -102,7 +94,7 @@ def piece(mesh: Mesh, faces: Ints) -> Piece:
         No face, an id out of range, or faces that meet in a vertex only.
     """
     given = np.asarray(faces)
-    chosen = np.flatnonzero(given) if given.dtype == bool else np.unique(given)
+    chosen = np.flatnonzero(given) if given.dtype == bool else np.unique(given).astype(np.int64)
     if not len(chosen):
         raise MeshError("the piece has no faces")
     if chosen[0] < 0 or chosen[-1] >= mesh.n_faces:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ddgfab.support.asymptotic import edge_bend
 from ddgfab.support.choose import SupportKind, support_structure
+from ddgfab.support.edge import beam_heights, edge_axes, koebe_field
 from ddgfab.support.even import even_lean
 from ddgfab.support.exact import cone_axes, reflected_axes
 from ddgfab.support.optimize import OptimizeOptions, optimize
@@ -16,12 +17,15 @@ __all__ = [
     "OptimizeOptions",
     "SupportKind",
     "SupportStructure",
+    "beam_heights",
     "best_centre",
     "central",
     "cone_axes",
+    "edge_axes",
     "edge_bend",
     "even_lean",
     "incircle_axes",
+    "koebe_field",
     "node_torsion",
     "optimize",
     "parallel_axes",

@@ -6,10 +6,11 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ddgfab.errors import SupportError
+from ddgfab.errors import DegenerateError, SupportError
 from ddgfab.measures import circular_defect, conical_defect, planarity_percent, torsion
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.support.asymptotic import ASYMPTOTIC_BEND, edge_bend, surface_normals
+from ddgfab.support.edge import edge_axes
 from ddgfab.support.exact import cone_axes, reflected_axes
 from ddgfab.support.optimize import optimize
 from ddgfab.support.parallel import parallel_axes
@@ -22,9 +23,14 @@ from ddgfab.tolerances import (
     NET_PLANAR_PERCENT,
 )
 
-SupportKind = Literal["auto", "offset", "normal", "axis", "optimize", "central", "normals"]
+SupportKind = Literal["auto", "offset", "normal", "axis", "optimize", "central", "normals", "edge"]
 
-_EXACT = {"normal": reflected_axes, "axis": cone_axes, "offset": parallel_axes}
+_EXACT = {
+    "normal": reflected_axes,
+    "axis": cone_axes,
+    "edge": edge_axes,
+    "offset": parallel_axes,
+}
 
 
 def support_structure(
@@ -33,13 +39,14 @@ def support_structure(
     """Node axes on a mesh, vertices fixed; torsion-free except for the kind "normals".
 
     Kinds: "normal" (circular nets: vertex normals by reflection), "axis" (conical nets: axes of
-    the vertex cones), "offset" (planar faces: the parallel mesh nearest to the vertex normals),
+    the vertex cones), "edge" (meshes parallel to a Koebe net: its vertices, which give beams of one
+    height), "offset" (planar faces: the parallel mesh nearest to the vertex normals),
     "optimize" (any mesh: axes nearest to the vertex normals), "central" (any mesh: axes through
     one point), "normals" (A-nets and K-nets: surface normals, whose torsion stays and is told by
-    the structure; never taken by "auto"), "auto": the first of "normal", "axis", "offset" that the
-    net allows exactly within the lean limit, otherwise "optimize". A net that is circular, conical
-    or planar only within tolerance gets the torsion-free axes nearest to those of the kind asked
-    for.
+    the structure; never taken by "auto"), "auto": the first of "normal", "axis", "edge",
+    "offset" that the net allows exactly within the lean limit, otherwise "optimize". A net that is
+    circular, conical or planar only within tolerance gets the torsion-free axes nearest to those
+    of the kind asked for.
 
     Parameters
     ----------
@@ -61,7 +68,7 @@ def support_structure(
         return SupportStructure.of(mesh, surface_normals(mesh), kind)
     if kind == "central":
         return _upright(central(mesh))
-    if (mesh.face_sizes == 3).all():
+    if (mesh.face_sizes == 3).all() and kind != "edge":
         raise refuse_triangles(mesh)
     if kind == "optimize":
         return _optimized(mesh)
@@ -101,6 +108,11 @@ def _objection(mesh: Mesh, kind: str) -> str:
         if len(odd):
             return f"face {odd[0]} has {mesh.face_sizes[odd[0]]} sides; reflections need even"
         return _defect("face", "circular", circular_defect(mesh))
+    if kind == "edge":
+        try:
+            edge_axes(mesh)
+        except DegenerateError as error:
+            return str(error)
     if kind == "axis":
         if mesh.boundary_vertex[mesh.valences > 0].all():
             return "it has no interior vertex, so no cones"

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import SupportError
 from ddgfab.measures import lean, torsion
 from ddgfab.mesh import Floats, Ints, Mesh, unit
+from ddgfab.support.edge import beam_heights
 from ddgfab.tolerances import TORSION_EXACT_DEG
 
 
@@ -25,7 +26,7 @@ class SupportStructure:
     ----------
     mesh : the mesh whose vertices carry the axes
     axes : (V, 3) unit node axes a(v), on the side of the vertex normals
-    kind : how it was made: "offset", "normal", "axis", "optimize", "central", "given"
+    kind : how it was made: "offset", "normal", "axis", "edge", "optimize", "central", ..., "given"
     status : "exact" (a closed construction), "converged", or "stopped" (a solver that gave up)
     history : greatest torsion [deg] after each step of the construction; the last is the result's
     """
@@ -114,6 +115,17 @@ class SupportStructure:
         return self.torsion_deg_max <= TORSION_EXACT_DEG
 
     @cached_property
+    def beam_height_spread(self) -> float | None:
+        """Greatest less least height of beams whose lower edges meet on the axes, over the mean.
+
+        Zero on an edge offset: beams of one height everywhere. None with torsion, where the lower
+        edges do not meet. See `ddgfab.support.edge.beam_heights`.
+        """
+        if not self.torsion_free:
+            return None
+        return float(np.ptp(beam_heights(self.mesh, self.axes)))
+
+    @cached_property
     def edge_planes(self) -> Floats:
         """(E, 3) unit normals n(e) of the planes pi(e) through the edges and their axes.
 
@@ -141,6 +153,7 @@ class SupportStructure:
             "torsion_deg_max": self.torsion_deg_max,
             "torsion_deg_mean": self.torsion_deg_mean,
             "torsion_worst_edges": _table("edge", edges, self.torsion),
+            "beam_height_spread": self.beam_height_spread,
             "lean_deg_max": self.lean_deg_max,
             "lean_deg_mean": self.lean_deg_mean,
             "lean_worst_vertices": _table("vertex", vertices, self.lean),

@@ -1,4 +1,4 @@
-"""Sums along spanning trees: a quantity known by its differences across edges, at every node."""
+"""Spanning trees: sums along them, and signs that alternate round the faces of a mesh."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import breadth_first_order
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from ddgfab.mesh import Ints
+from ddgfab.mesh import Ints, Mesh
 
 Value = TypeVar("Value", np.float64, np.complex128)
 
@@ -54,3 +54,27 @@ def tree_sums(
     reached = np.zeros(count, dtype=bool)
     reached[order] = True
     return values, reached
+
+
+def corner_graph(mesh: Mesh) -> csr_array:
+    """(E, E) which edges follow each other in a face."""
+    first, second = mesh.corner_edge, mesh.corner_edge[mesh.corner_next]
+    ones = np.ones(len(first), dtype=np.int8)
+    return coo_array((ones, (first, second)), shape=(mesh.n_edges, mesh.n_edges)).tocsr()
+
+
+def alternating_signs(mesh: Mesh) -> tuple[Ints, Ints]:
+    """Signs of the edges that alternate round every face, and the corners where they cannot.
+
+    Returns
+    -------
+    signs : (E,) +1 and -1; +1 at the first edge of each component
+    failing : corners whose edge and next edge have the same sign; empty where signs exist
+    """
+    first, second = mesh.corner_edge, mesh.corner_edge[mesh.corner_next]
+    component = connected_components(corner_graph(mesh), directed=False)[1]
+    parity = np.zeros(mesh.n_edges, dtype=np.int64)
+    for root in np.unique(component, return_index=True)[1].tolist():
+        depth, reached = tree_sums(mesh.n_edges, first, second, np.ones(len(first)), root)
+        parity[reached] = np.rint(depth[reached]).astype(np.int64) % 2
+    return 1 - 2 * parity, np.flatnonzero(parity[first] == parity[second])

@@ -1,0 +1,155 @@
+"""Axes of meshes parallel to a Koebe net: offsets at a constant distance of edges, equal beams."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ddgfab.errors import DegenerateError
+from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.tolerances import RELATIVE_DEGENERATE
+from ddgfab.trees import alternating_signs, tree_sums
+
+EDGE_RELATIVE: Final = 1e-9
+"""Greatest turn of edges [rad], and spread of their distance in parts of it, of an edge offset."""
+
+
+def edge_axes(mesh: Mesh) -> Floats:
+    """(V, 3) unit axes along the vertices of the parallel Koebe net: beams of one height.
+
+    Raises
+    ------
+    DegenerateError
+        The mesh is not parallel to a Koebe net; see `koebe_field`.
+
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3.3; maths.md 10.6.
+    """
+    return unit(koebe_field(mesh))
+
+
+def koebe_field(mesh: Mesh) -> Floats:
+    """(V, 3) vertices of the parallel Koebe net: every edge touches the unit sphere.
+
+    The edges at a vertex touch a sphere just when they lie on a cone of revolution, whose axis
+    solves <u_i, a> = 1 for the unit edges u_i; |k| is 1 / sin of its angle. Where the mesh is a
+    saddle, one family of its edges runs against that of the Koebe net, so u_i changes sign.
+    Corners with two edges follow from their neighbours.
+
+    Raises
+    ------
+    DegenerateError
+        The mesh is not parallel to a Koebe net; names the worst edge, or the vertex.
+
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3.3; maths.md 10.6, 7.4.
+    """
+    patterns = [np.ones(mesh.n_edges)]
+    alternate, failing = alternating_signs(mesh)
+    if not len(failing):
+        patterns.append(alternate.astype(np.float64))
+    failures: list[DegenerateError] = []
+    for signs in patterns:
+        try:
+            field = _touching(mesh, signs)
+            if np.einsum("vx,vx->", field, mesh.vertex_normals) < 0:
+                field = -field
+            _refuse(mesh, field)
+        except DegenerateError as error:
+            failures.append(error)
+        else:
+            return field
+    raise failures[0]
+
+
+def _touching(mesh: Mesh, signs: Floats) -> Floats:
+    """Field of `koebe_field` for given signs of the edges."""
+    field = np.zeros_like(mesh.vertices)
+    known = np.zeros(mesh.n_vertices, dtype=bool)
+    along = unit(mesh.edge_vectors) * signs[:, None]
+    for valence in np.unique(mesh.valences[mesh.valences > 2]).tolist():
+        ids = np.flatnonzero(mesh.valences == valence)
+        edges = mesh.star_edges[mesh.star_start[ids, None] + np.arange(valence)]
+        away = np.where(mesh.edges[edges, 0] == ids[:, None], 1.0, -1.0)
+        axis = np.linalg.pinv(along[edges] * away[..., None]).sum(axis=-1)
+        square = np.einsum("vx,vx->v", axis, axis)
+        good = square > 1.0  # 1 / cos^2 of the cone's angle
+        field[ids[good]] = -axis[good] / np.sqrt(square[good] - 1.0)[:, None]
+        known[ids[good]] = True
+    lines = unit(mesh.edge_vectors)
+    for vertex in np.flatnonzero(~known & (mesh.valences > 0)).tolist():
+        edges = mesh.star(vertex)[0]
+        ends = mesh.edges[edges].sum(axis=1) - vertex
+        edges, ends = edges[known[ends]], ends[known[ends]]
+        across = np.eye(3) - np.einsum("ki,kj->kij", lines[edges], lines[edges])
+        matrix = across.sum(axis=0)
+        if len(edges) < 2 or np.linalg.eigvalsh(matrix)[0] <= RELATIVE_DEGENERATE:
+            raise DegenerateError(
+                f"vertex {vertex}: its {mesh.valences[vertex]} edges lie on no cone of revolution, "
+                "so the mesh has no offset at a constant distance of edges"
+            )
+        field[vertex] = np.linalg.solve(matrix, np.einsum("kij,kj->i", across, field[ends]))
+    return field
+
+
+def _refuse(mesh: Mesh, field: Floats) -> None:
+    """Raise `DegenerateError` unless the field is a mesh parallel to this one, at distance 1."""
+    start, end = mesh.edges.T
+    along = unit(mesh.edge_vectors)
+    size = float(np.median(mesh.edge_lengths))
+    turned = np.linalg.norm(np.cross(field[end] - field[start], along), axis=1)
+    turned *= size / mesh.edge_lengths
+    away = np.linalg.norm(np.cross(0.5 * (field[start] + field[end]), along), axis=1)
+    spread = float(np.ptp(away)) / float(np.linalg.norm(field, axis=1).max())
+    if turned.max() <= EDGE_RELATIVE and spread <= EDGE_RELATIVE:
+        return
+    raise DegenerateError(
+        "the mesh is not parallel to a Koebe net: offset by one edge length its edges turn by up "
+        f"to {np.degrees(turned.max()):.2g} deg (edge {int(turned.argmax())}) and the distance of "
+        f"its edges varies by {spread:.1e} (limit {EDGE_RELATIVE:g})"
+    )
+
+
+def beam_heights(mesh: Mesh, axes: Floats) -> Floats:
+    """(E, 2) heights at both ends of beams whose lower edges meet on the node axes.
+
+    The lower edges form a parallel mesh v + l_v a_v; walking along edges fixes the lengths l_v up
+    to one factor in each component, which makes the mean height 1. All are 1 on an edge offset;
+    the two ends of a beam differ where the axes belong to no parallel mesh.
+
+    Parameters
+    ----------
+    axes : (V, 3) unit axes
+
+    Raises
+    ------
+    DegenerateError
+        An axis along an edge of its vertex: a beam without height; names both.
+
+    Source: maths.md 10.4, 11a (beam cutting).
+    """
+    start, end = mesh.edges.T
+    along = unit(mesh.edge_vectors)
+    heights = np.stack(
+        [np.linalg.norm(np.cross(axes[v], along), axis=1) for v in (start, end)], axis=1
+    )
+    flat = np.argwhere(heights <= RELATIVE_DEGENERATE)
+    if len(flat):
+        edge, end_of = flat[0].tolist()
+        raise DegenerateError(
+            f"the axis of vertex {mesh.edges[edge, end_of]} runs along edge {edge}: no beam there"
+        )
+    logs = np.log(heights)
+    steps = logs[:, 0] - logs[:, 1]
+    graph = coo_array((np.ones(mesh.n_edges), (start, end)), shape=(mesh.n_vertices,) * 2)
+    component = connected_components(graph, directed=False)[1]
+    for part in np.unique(component[mesh.corners]).tolist():
+        edges = np.flatnonzero(component[start] == part)
+        root = int((component == part).argmax())
+        i, j = start[edges], end[edges]
+        lengths = tree_sums(mesh.n_vertices, i, j, steps[edges], root)[0]
+        own = logs[edges] + np.stack([lengths[i], lengths[j]], axis=1)
+        own -= own.mean()
+        logs[edges] = own - np.log(np.exp(own).mean())
+    return np.asarray(np.exp(logs))
