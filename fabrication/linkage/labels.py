@@ -6,7 +6,7 @@ from typing import Final
 
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkspecs import Label, LinkShape
-from fabrication.solids.link import LABEL_MARGIN
+from fabrication.solids.link import label_room
 from fabrication.solids.text import ROWS, text_size
 
 HEIGHT: Final = 4.0
@@ -27,9 +27,7 @@ def label_for(shape: LinkShape, text: str, settings: LinkageSettings) -> Label |
     """
     if settings.label == "none":
         return None
-    wide = shape.bar_width - 2.0 * shape.bevel - 2.0 * LABEL_MARGIN
-    # The bar is longer than the distance of the eyes wherever it slants.
-    long = shape.length - shape.eye_diameter - 2.0 * LABEL_MARGIN
+    long, wide = label_room(shape)
     depth = settings.label_depth if settings.label == "engraved" else -settings.label_depth
     best: Label | None = None
     for stacked in (False, True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -10,12 +11,14 @@ import numpy as np
 from ddgfab.linkages import Mechanism, Pose
 from ddgfab.mesh import Floats, Ints
 from fabrication.families import families
+from fabrication.linkage.bodies import fitting_body, link_body
+from fabrication.linkage.capsules import Body
 from fabrication.linkage.coupon import coupon_shape, pin_for_test
 from fabrication.linkage.labels import label_for, short_number
 from fabrication.linkage.levels import even_levels
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkage.shapes import Seat, heights_of, link_shapes, seats_of
-from fabrication.linkspecs import LinkShape, PinShape
+from fabrication.linkspecs import CouponShape, LinkShape, PinShape
 from fabrication.specs import Family, Fitting, Link, Piece, Pin, Placement, Role
 
 LINK_TOLERANCE: Final = 1e-6
@@ -74,7 +77,21 @@ class Linkage:
                 placed[piece.mark] = hinges[piece.hinge] @ self._seat[piece.mark]
         return placed
 
-    @property
+    @cached_property
+    def bodies(self) -> tuple[Body, ...]:
+        """All parts of the mechanism for collisions, by `fabrication.linkage.motion`."""
+        items = {item.mark: item for stack in self.stacks for item in stack}
+        found = []
+        for piece in self.pieces:
+            if isinstance(piece, Link):
+                found.append(link_body(piece.mark, piece.bar, piece.hinges, piece.shape))
+            elif isinstance(piece, Pin | Fitting) and piece.hinge is not None:
+                at, shape = items[piece.mark], piece.shape
+                assert not isinstance(shape, CouponShape)
+                found.append(fitting_body(piece.mark, piece.hinge, shape, at.low, at.high))
+        return tuple(found)
+
+    @cached_property
     def _seat(self) -> dict[str, Floats]:
         """Placement of pins and fittings in the frame of their hinge."""
         design = hinge_frames(self.mechanism, self.mechanism.pose(self.mechanism.design))

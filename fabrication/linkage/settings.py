@@ -143,6 +143,11 @@ def check_settings(settings: LinkageSettings) -> None:
             f"the caps' wall of {wall:.3g} mm and floor of {s.cap_floor:g} mm must be "
             f"{limits.wall:g} mm or more ({limits.name})"
         )
+    if s.cap_diameter > s.eye_diameter:
+        raise InputError(
+            f"caps of {s.cap_diameter:g} mm are wider than the eyes of {s.eye_diameter:g} mm, and "
+            f"bars would meet them; make the eyes larger"
+        )
     thin = min(s.bar_width, s.bar_height)
     if thin < limits.wall:
         raise InputError(

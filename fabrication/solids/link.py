@@ -8,7 +8,6 @@ at any height on their axes and the bar only slants: nothing is left for boolean
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -24,10 +23,22 @@ from fabrication.solids.builder import (
     add,
     cross,
     dot,
-    normalised,
     opposite,
     principal_axes,
     scale,
+)
+from fabrication.solids.linkframe import (
+    PARALLEL,
+    Eye,
+    Frame,
+    bar_sides,
+    corner_points,
+    eye_angle,
+    eyes_of,
+    label_place,
+    label_room,
+    reading,
+    section_top,
 )
 from fabrication.solids.pin import drum
 from fabrication.solids.section import gauss
@@ -42,110 +53,11 @@ SPREAD: Final = math.radians(75.0)
 LEAST_BAR: Final = 1.0
 """Least length [mm] of the bar between the eyes."""
 
-LABEL_MARGIN: Final = 0.2
-"""Least distance [mm] of a label from the border of its face."""
-
-PARALLEL: Final = 1e-12
-"""A side whose normal leans against an eye's axis by less is parallel and meets it in lines."""
-
-SLANTED: Final = 1e-5
-"""A side that leans by less than this, and is not parallel, has no ellipse of usable size."""
-
-NUDGE: Final = 1e-4
-"""By how much [rad] a bar is turned about itself to avoid such sides."""
+ROUNDING: Final = 1e-9
+"""A label may be larger than its room by this [mm]."""
 
 NODES: Final = 48
 """Nodes of the quadrature across each strip of the bar's section."""
-
-
-@dataclass(frozen=True)
-class Eye:
-    """An eye: middle, unit axis, unit direction towards the bar, radius, half its height."""
-
-    middle: Vec
-    axis: Vec
-    outward: Vec
-    radius: float
-    half: float
-    name: str
-
-    @property
-    def exit(self) -> Vec:
-        """Where the bar's middle line leaves the round surface."""
-        return add(self.middle, self.outward, self.radius)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """Where the bar leaves the first eye, and unit vectors along it, across it and up."""
-
-    origin: Vec
-    along: Vec
-    across: Vec
-    up: Vec
-
-
-def eyes_of(shape: LinkShape) -> tuple[Eye, Eye]:
-    """The two eyes of a link in its frame."""
-    axes: tuple[Vec, Vec] = (
-        (0.0, 0.0, 1.0),
-        (0.0, -math.sin(shape.twist), math.cos(shape.twist)),
-    )
-    middles = scale(axes[0], shape.start), add((shape.length, 0.0, 0.0), axes[1], shape.end)
-    eyes = []
-    for k, name in enumerate(("start", "end")):
-        towards = add(middles[1 - k], middles[k], -1.0)
-        level = add(towards, axes[k], -dot(towards, axes[k]))
-        radius, half = shape.eye_diameter / 2.0, shape.eye_height / 2.0
-        eyes.append(Eye(middles[k], axes[k], normalised(level), radius, half, name))
-    return eyes[0], eyes[1]
-
-
-def bar_frame(shape: LinkShape, eyes: tuple[Eye, Eye], roll: float = 0.0) -> Frame:
-    """Frame of the bar; its height stands along the mean of the axes, turned by `roll`."""
-    origin = eyes[0].exit
-    along = normalised(add(eyes[1].exit, origin, -1.0))
-    mean: Vec = (0.0, -math.sin(shape.twist / 2.0), math.cos(shape.twist / 2.0))
-    up = normalised(add(mean, along, -dot(mean, along)))
-    across = cross(up, along)
-    c, s = math.cos(roll), math.sin(roll)
-    return Frame(origin, along, add(scale(across, c), up, s), add(scale(up, c), across, -s))
-
-
-def section_of(shape: LinkShape) -> list[tuple[float, float]]:
-    """Corners (across, up) [mm] of the bar's section, counterclockwise; its top is the side
-    from corner 2 to 3 of four, from 4 to 5 of eight."""
-    w, h, b = shape.bar_width / 2.0, shape.bar_height / 2.0, shape.bevel
-    if b == 0.0:
-        return [(-w, -h), (w, -h), (w, h), (-w, h)]
-    return [
-        (-w + b, -h), (w - b, -h), (w, -h + b), (w, h - b),
-        (w - b, h), (-w + b, h), (-w, h - b), (-w, -h + b),
-    ]  # fmt: skip
-
-
-def bar_radius(shape: LinkShape) -> float:
-    """Radius [mm] of the cylinder about the bar's middle line that holds bar and label."""
-    raised = 0.0 if shape.label is None else max(0.0, -shape.label.depth)
-    half = shape.bar_width / 2.0 - shape.bevel
-    corners = [math.hypot(across, up) for across, up in section_of(shape)]
-    return max(*corners, math.hypot(half, shape.bar_height / 2.0 + raised))
-
-
-def _sides(shape: LinkShape, eyes: tuple[Eye, Eye]) -> tuple[Frame, list[Vec]]:
-    """The bar's frame and the outward normals of its sides, none of them almost parallel to an
-    eye's axis."""
-    corners = section_of(shape)
-    for step in range(2 * len(corners) + 1):
-        frame = bar_frame(shape, eyes, NUDGE * step)
-        normals = []
-        for (y0, z0), (y1, z1) in zip(corners, corners[1:] + corners[:1], strict=True):
-            size = math.hypot(y1 - y0, z1 - z0)
-            normals.append(add(scale(frame.across, (z1 - z0) / size), frame.up, -(y1 - y0) / size))
-        leans = [abs(dot(normal, eye.axis)) for normal in normals for eye in eyes]
-        if not any(PARALLEL < lean < SLANTED for lean in leans):
-            break
-    return frame, normals
 
 
 def check_link(shape: LinkShape) -> None:
@@ -175,24 +87,6 @@ def check_link(shape: LinkShape) -> None:
         )
 
 
-def _meet(eye: Eye, foot: Vec, along: Vec, sign: float) -> Vec:
-    """Where a line leaves (sign 1) or enters (sign -1) the round surface of an eye."""
-    away = add(foot, eye.middle, -1.0)
-    p = add(away, eye.axis, -dot(away, eye.axis))
-    q = add(along, eye.axis, -dot(along, eye.axis))
-    a, b, c = dot(q, q), dot(p, q), dot(p, p) - eye.radius**2
-    root = b * b - a * c
-    if root <= 0.0:
-        raise DetailError(f"the bar passes beside the {eye.name} eye; make it slimmer")
-    return add(foot, along, (sign * math.sqrt(root) - b) / a)
-
-
-def _angle(eye: Eye, point: Vec) -> float:
-    """Angle [rad] about an eye's axis, from the direction in which the bar leaves."""
-    away = add(point, eye.middle, -1.0)
-    return math.atan2(dot(away, cross(eye.axis, eye.outward)), dot(away, eye.outward))
-
-
 def _side_arc(
     builder: BoundaryBuilder, eye: Eye, ends: tuple[int, int], normal: Vec
 ) -> tuple[int, float]:
@@ -208,7 +102,7 @@ def _side_arc(
     a = scale(add(u, eye.axis, -dot(u, normal) / slope), eye.radius)
     b = scale(add(v, eye.axis, -dot(v, normal) / slope), eye.radius)
     a, b, shift = principal_axes(a, b)
-    t0, t1 = _angle(eye, p), _angle(eye, q)
+    t0, t1 = eye_angle(eye, p), eye_angle(eye, q)
     turn = math.atan2(dot(v, normal), dot(u, normal))
     amplitude = eye.radius / slope * math.hypot(dot(u, normal), dot(v, normal))
     for angle, height in ((turn, rise - amplitude), (turn - math.pi, rise + amplitude)):
@@ -230,13 +124,10 @@ def link_boundary(shape: LinkShape) -> Boundary:
     """
     check_link(shape)
     eyes = eyes_of(shape)
-    frame, normals = _sides(shape, eyes)
+    frame, normals = bar_sides(shape, eyes)
     builder = BoundaryBuilder()
-    feet = [add(add(frame.origin, frame.across, y), frame.up, z) for y, z in section_of(shape)]
-    corners: list[list[int]] = []
-    for eye, sign in zip(eyes, (1.0, -1.0), strict=True):
-        corners.append([builder.point(_meet(eye, foot, frame.along, sign)) for foot in feet])
-    n = len(feet)
+    corners = [[builder.point(p) for p in ends] for ends in corner_points(shape, eyes, frame)]
+    n = len(normals)
     arcs: tuple[Coedges, Coedges] = ([], [])
     for k, eye in enumerate(eyes):
         high = 0.0
@@ -246,14 +137,13 @@ def link_boundary(shape: LinkShape) -> Boundary:
             arcs[k].append(edge)
             high = max(high, height)
         _check_eye(shape, eye, [builder.position(p) for p in corners[k]], high)
-    top = 2 if n == 4 else 4
+    places = [[builder.position(p) for p in points] for points in corners]
     for i in range(n):
         j = (i + 1) % n
         here, there = (builder.line(corners[0][c], corners[1][c]) for c in (i, j))
         loops = [[arcs[0][i], there, ~arcs[1][i], ~here]]
-        if i == top and shape.label is not None:
-            loops += _label(builder, shape, frame, (corners[0][i], corners[0][j]),
-                            (corners[1][i], corners[1][j]))  # fmt: skip
+        if i == section_top(shape):
+            loops += _label(builder, shape, frame, places)
         builder.plane(normals[i], loops)
     for eye, loop, bore in zip(eyes, (opposite(arcs[0]), arcs[1]), shape.bores, strict=True):
         low, high_point = (add(eye.middle, eye.axis, sign * eye.half) for sign in (-1.0, 1.0))
@@ -272,7 +162,7 @@ def _check_eye(shape: LinkShape, eye: Eye, corners: list[Vec], high: float) -> N
             f"limit {eye.half - RIM:.6g} mm (half the eye's height).\n"
             f"Use a slimmer bar, a taller eye, or levels that differ less between its ends"
         )
-    spread = max(abs(_angle(eye, corner)) for corner in corners)
+    spread = max(abs(eye_angle(eye, corner)) for corner in corners)
     if spread > SPREAD:
         raise DetailError(
             f"the bar spreads {math.degrees(spread):.4g} deg to a side on the {eye.name} eye; "
@@ -281,46 +171,34 @@ def _check_eye(shape: LinkShape, eye: Eye, corners: list[Vec], high: float) -> N
 
 
 def _label(
-    builder: BoundaryBuilder,
-    shape: LinkShape,
-    frame: Frame,
-    start: tuple[int, int],
-    end: tuple[int, int],
+    builder: BoundaryBuilder, shape: LinkShape, frame: Frame, corners: list[list[Vec]]
 ) -> list[Coedges]:
-    """Write the label on the upper side, between its corners at the start and at the end."""
+    """Write the label on the upper side of the bar; the loops that it gets as holes."""
     label = shape.label
-    assert label is not None
-
-    def along(point: int) -> float:
-        return dot(add(builder.position(point), frame.origin, -1.0), frame.along)
-
-    low, high = max(map(along, start)), min(map(along, end))
+    if label is None:
+        return []
     size = label_size(label)
-    length, width = size[::-1] if label.stacked else size
-    room = high - low, shape.bar_width - 2.0 * shape.bevel
-    for name, needed, free in zip(("long", "wide"), (length, width), room, strict=True):
-        if needed > free - 2.0 * LABEL_MARGIN:
+    needed = size[::-1] if label.stacked else size
+    for name, need, free in zip(("long", "wide"), needed, label_room(shape), strict=True):
+        if need > free + ROUNDING:
             raise DetailError(
-                f'the label "{label.text}" is {needed:.6g} mm {name}; the bar has '
-                f"{free - 2.0 * LABEL_MARGIN:.6g} mm for it: use a smaller label or none"
+                f'the label "{label.text}" is {need:.6g} mm {name}; the bar has {free:.6g} mm '
+                f"for it: use a smaller label or none"
             )
     if not 0.0 < abs(label.depth) < shape.bar_height:
         raise DetailError(
             f'the label "{label.text}" is {label.depth:.6g} mm deep in a bar of '
             f"{shape.bar_height:.6g} mm"
         )
-    middle = add(frame.origin, frame.along, 0.5 * (low + high))
-    middle = add(middle, frame.up, shape.bar_height / 2.0)
-    if label.stacked:
-        return write_label(builder, label, middle, scale(frame.across, -1.0), frame.along)
-    return write_label(builder, label, middle, frame.along, frame.across)
+    middle, _ = label_place(shape, frame, corners)
+    return write_label(builder, label, middle, *reading(label, frame))
 
 
 def link_volume(shape: LinkShape) -> float:
     """Volume [mm3] of a link from its numbers: eyes less bores, the bar's length integrated over
     its section, less the label's dots."""
     eyes = eyes_of(shape)
-    frame = _sides(shape, eyes)[0]
+    frame = bar_sides(shape, eyes)[0]
     base = [np.array(vec) for vec in (frame.origin, frame.along, frame.across, frame.up)]
     s, weight = gauss(NODES)
     w, h, b = shape.bar_width / 2.0, shape.bar_height / 2.0, shape.bevel
