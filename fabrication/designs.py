@@ -197,7 +197,8 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
         Parameters of a generated net that fit their limits but not each other; names the cell.
     """
     if mesh is None and project.net.kind != MESH:
-        mesh = generate(project.net.kind, project.net.parameters)
+        folder = None if project.file is None else project.file.parent
+        mesh = generate(project.net.kind, project.net.parameters, folder)
     path = project.mesh_path
     read = read_mesh(path) if mesh is None and path is not None else None
     if read is not None:

@@ -26,7 +26,7 @@ def test_every_kind_is_told_as_it_is(kind: str) -> None:
     section = PAGE.split(f"\n## {kind}: ")[1].split("\n## ")[0]
     rows = re.findall(r"^\| `(\w+)` \| (\S+) \| (.*?) \| (.*) \|$", section, flags=re.MULTILINE)
     parameters = find_generator(kind).parameters
-    assert rows == [(p.name, f"{p.default:g}", p.limits, p.text) for p in parameters]
+    assert rows == [(p.name, p.default_text, p.limits, p.text) for p in parameters]
     assert "Exact:" in section
     assert "Source: " in section
     picture = DOCS / "nets" / f"{kind}.png"

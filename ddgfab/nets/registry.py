@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from ddgfab.mesh import Mesh
@@ -13,6 +14,8 @@ from ddgfab.nets import (  # noqa: F401
     canopy,
     conical_roof,
     cyclide,
+    koebe_ball,
+    minimal_roof,
     monge,
     moulding,
     rotational,
@@ -41,8 +44,14 @@ def find_generator(kind: str) -> Generator:
     return GENERATORS[kind]
 
 
-def generate(kind: str, parameters: Mapping[str, Any] | None = None) -> Mesh:
+def generate(
+    kind: str, parameters: Mapping[str, Any] | None = None, folder: Path | None = None
+) -> Mesh:
     """Mesh [mm] of a kind of net with its parameters, the others at their defaults.
+
+    Parameters
+    ----------
+    folder : where the files that parameters name lie; by default the current folder
 
     Raises
     ------
@@ -50,7 +59,12 @@ def generate(kind: str, parameters: Mapping[str, Any] | None = None) -> Mesh:
         An unknown kind or parameter (names the nearest), a wrong type, a value beyond its limits.
     DegenerateError
         Values that are each within limits but make a degenerate net together; names the cell.
+    MeshError
+        A file that cannot be used.
     """
     entry = find_generator(kind)
-    entry.check(parameters or {})
-    return entry.function(**(parameters or {}))
+    given = dict(parameters or {})
+    entry.check(given)
+    for name in entry.files(given):
+        given[name] = str((folder or Path()) / given[name])
+    return entry.function(**given)

@@ -66,4 +66,4 @@ def _list_nets(names: tuple[str, ...]) -> None:
         typer.echo(f"{name}: {entry.summary}")
         for known in entry.parameters:
             limits = f" [{known.limits}]" if known.limits else ""
-            typer.echo(f"  {known.name} = {known.default:g}  {known.text}{limits}")
+            typer.echo(f"  {known.name} = {known.default_text}  {known.text}{limits}")
