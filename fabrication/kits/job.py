@@ -1,0 +1,313 @@
+"""The job: a kit becomes parts, plates, schedules and a moving report in one complete folder."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, as_completed
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from fabrication.checks.file import check_threemf
+from fabrication.designs import Progress
+from fabrication.export.folder import OutputFolder, safe_name
+from fabrication.export.manifest import (
+    MANIFEST,
+    build_manifest,
+    file_records,
+    part_record,
+    write_manifest,
+)
+from fabrication.export.step import Header, Material
+from fabrication.export.tables import write_xlsx
+from fabrication.kits.kit import Kit
+from fabrication.kits.moving import lying_broad, moving_scene, report_page, write_pictures
+from fabrication.kits.page import write_page
+from fabrication.kits.poses import check_poses
+from fabrication.kits.printing import write_plates
+from fabrication.kits.schedules import kit_schedules
+from fabrication.parts import PartJob, PartResult, PartSettings, assemble, make_parts, verify_parts
+from fabrication.pipeline import JobResult
+from fabrication.pool import Workers, worker_pool
+from fabrication.problems import problems_of
+from fabrication.records import CHORD_MM
+from fabrication.schedules import mass_kg
+from fabrication.specs import Check, Role, TriangleMesh
+from fabrication.table import Table
+
+BATCH: Final = 8
+"""Part numbers that a process takes at a time."""
+
+FOLDERS: Final = {"step": "step", "stl": "stl", "3mf": "3mf"}
+"""Folders of the part files, by format."""
+
+
+def make_kit(
+    kit: Kit,
+    folder: str | Path | None = None,
+    *,
+    jobs: int = 1,
+    pool: Workers | None = None,
+    progress: Progress | None = None,
+) -> JobResult:
+    """All files of a kit, checked; the folder appears complete or not at all.
+
+    Parameters
+    ----------
+    folder : default outputs/<project name>
+    jobs : processes; 1 works in this one. More need a ``if __name__ == "__main__"`` guard in the
+        caller, as always with multiprocessing
+    pool : what `worker_pool` gave, to be used instead of `jobs`
+    progress : called as (step, done, of)
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written or is not ours to replace; nothing is changed then.
+    DdgError
+        A part cannot be made.
+    """
+    target = Path(folder) if folder is not None else Path("outputs") / safe_name(kit.name)
+    tell = progress or (lambda step, done, of: None)
+    if pool is None:
+        with worker_pool(jobs) as own:
+            return make_kit(kit, target, pool=own, progress=progress)
+    with OutputFolder(target) as staging:
+        try:
+            return _KitJob(kit, staging, target, pool, tell).run()
+        except BaseException:
+            pool.stop()  # before the staging folder goes, into which they write
+            raise
+
+
+class _KitJob:
+    """One run: the state that its steps share."""
+
+    def __init__(
+        self, kit: Kit, staging: Path, target: Path, pool: Workers, tell: Progress
+    ) -> None:
+        self.kit, self.staging, self.target = kit, staging, target
+        self.pool, self.tell = pool, tell
+        self.formats = frozenset(kit.project.output.formats)
+        self.seconds: dict[str, float] = dict(kit.seconds)
+        self.settings = part_settings(kit, staging)
+
+    def run(self) -> JobResult:
+        """All steps; the manifest comes last."""
+        with self._timed("parts"):
+            parts = self._make()
+        meshes = {part.number: part.mesh for part in parts}
+        tasks = [[(p.number, p.properties.volume, p.mesh, p.files)] for p in parts]
+        reading = [self.pool.submit(verify_parts, task) for task in tasks]
+        assembly = self._assemble(parts)
+        scene = moving_scene(self.kit)
+        families = lying_broad(self.kit)
+        gif = "gif" in self.formats
+        pictures = self.pool.submit(write_pictures, self.staging, families, meshes, scene, gif)
+        with self._timed("plates"):
+            extra = self._plates()
+        with self._timed("poses"):
+            self.tell("poses", 0, 0)
+            poses = check_poses(self.kit, meshes)
+        with self._timed("waiting for the other processes"):
+            found = self._collect(reading)
+            extra += self._collect_assembly(assembly)
+        parts = [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
+        checks = self._checks_by_mark(parts, poses)
+        tables = kit_schedules(self.kit.linkage, self._masses(parts))
+        with self._timed("schedules"):
+            self._write_schedules(tables)
+        roles: dict[str, Role] = {piece.mark: piece.role for piece in self.kit.linkage.pieces}
+        problems = problems_of(
+            roles, ((mark, check) for mark, list_ in checks.items() for check in list_)
+        )
+        lines = [str(problem) for problem in problems]
+        lines += [f"{check.name}: {check.value}" for check in extra if not check.passed]
+        if "html" in self.formats:
+            with self._timed("report"):
+                self.tell("report.html", 0, 0)
+                page = report_page(self.kit, tables, lines)
+                write_page(self.staging / "report.html", page, scene)
+        warnings, seconds = pictures.result()
+        self.seconds["pictures"] = seconds
+        manifest = self._manifest(parts, checks, extra, warnings)
+        manifest["problems"] = [problem.to_dict() for problem in problems]
+        write_manifest(self.staging / MANIFEST, manifest)
+        return JobResult(self.target, manifest, tuple(lines), tuple(warnings))
+
+    def _make(self) -> list[PartResult]:
+        """All part numbers, in the pool."""
+        jobs = [PartJob(f.number, f.role, f.shape) for f in self.kit.families]
+        for kind, name in FOLDERS.items():
+            if kind in self.formats:
+                (self.staging / "parts" / name).mkdir(parents=True)
+        batches = [jobs[i : i + BATCH] for i in range(0, len(jobs), BATCH)]
+        futures = [self.pool.submit(make_parts, batch, self.settings) for batch in batches]
+        parts: list[PartResult] = []
+        for future in futures:
+            parts += future.result()
+            self.tell("parts", len(parts), len(jobs))
+        return parts
+
+    def _plates(self) -> list[Check]:
+        """Print plates, written and read back."""
+        if "3mf" not in self.formats:
+            return []
+        folder, kit = self.staging / "plates", self.kit
+        written = write_plates(folder, kit.families, kit.printed, kit.plates)
+        return [
+            replace(check, name=f"{path.stem} {check.name}")
+            for path, expected in written.items()
+            for check in check_threemf(path, expected)
+        ]
+
+    def _assemble(self, parts: Sequence[PartResult]) -> Future[Any] | None:
+        """Start writing assembly.step of what moves, and reading it back."""
+        if "step" not in self.formats:
+            return None
+        instances = [
+            (family.number, instance.mark, instance.placement)
+            for family in self.kit.placed()
+            for instance in family.instances
+        ]
+        used = {number for number, _, _ in instances}
+        return self.pool.submit(
+            assemble,
+            self.staging / "assembly.step",
+            self.kit.name,
+            [(part.job, part.properties) for part in parts if part.number in used],
+            instances,
+            self.settings,
+            True,
+        )
+
+    def _collect_assembly(self, writing: Future[Any] | None) -> list[Check]:
+        """Wait for assembly.step; the checks of the whole."""
+        if writing is None:
+            return []
+        self.tell("assembly.step", 0, 0)
+        checks, seconds = writing.result()
+        self.seconds.update(seconds)
+        return list(checks)
+
+    def _collect(self, reading: Sequence[Future[Any]]) -> dict[str, list[Check]]:
+        """Wait for files read back: checks by part number."""
+        found: dict[str, list[Check]] = {}
+        for done, future in enumerate(as_completed(reading), 1):
+            found.update(future.result()[0])
+            self.tell("read back", done, len(reading))
+        return found
+
+    def _checks_by_mark(
+        self, parts: Sequence[PartResult], poses: dict[str, list[Check]]
+    ) -> dict[str, list[Check]]:
+        """Every piece's checks: its limits, its part number's, its clearances."""
+        of_number = {part.number: part.checks for part in parts}
+        checks = {piece.mark: list(piece.checks) for piece in self.kit.linkage.pieces}
+        for family in self.kit.families:
+            for instance in family.instances:
+                checks[instance.mark] += of_number[family.number]
+                checks[instance.mark] += poses.get(instance.mark, ())
+        return checks
+
+    def _masses(self, parts: Sequence[PartResult]) -> dict[str, float]:
+        return {p.number: mass_kg(p.properties.volume, self.kit.density(p.job.role)) for p in parts}
+
+    def _write_schedules(self, tables: Mapping[str, Table]) -> None:
+        """CSV a table, and one workbook."""
+        folder = self.staging / "schedules"
+        if self.formats & {"csv", "xlsx"}:
+            folder.mkdir()
+        if "csv" in self.formats:
+            for name, table in tables.items():
+                table.to_csv(folder / f"{name}.csv")
+        if "xlsx" in self.formats:
+            rows = {name: table.rows for name, table in tables.items()}
+            write_xlsx(folder / "schedule.xlsx", rows)
+
+    def _manifest(
+        self,
+        parts: Sequence[PartResult],
+        checks: dict[str, list[Check]],
+        extra: Sequence[Check],
+        warnings: Sequence[str],
+    ) -> dict[str, Any]:
+        """What manifest.json says."""
+        self.tell("manifest", 0, 0)
+        kit = self.kit
+        manifest = build_manifest(
+            project=kit.name,
+            input={"file": None if kit.project.file is None else str(kit.project.file)},
+            settings=kit.project.settings,
+            net=kit.facts(),
+            support={},
+            parts=self._part_records(parts, checks),
+            files=file_records(self.staging),
+            timings_s=self.seconds,
+            extra_checks=extra,
+        )
+        manifest["notes"] = [*kit.linkage.notes, *warnings]
+        return manifest
+
+    def _part_records(
+        self, parts: Sequence[PartResult], checks: dict[str, list[Check]]
+    ) -> list[dict[str, Any]]:
+        """The manifest's parts, by mark."""
+        masses = self._masses(parts)
+        results = {part.number: part for part in parts}
+        records = []
+        for family in self.kit.families:
+            part = results[family.number]
+            for instance in family.instances:
+                placed = _placed(part.mesh, instance.placement)
+                records.append(
+                    part_record(
+                        mark=instance.mark,
+                        number=family.number,
+                        role=family.role,
+                        placement=instance.placement,
+                        volume_mm3=part.properties.volume,
+                        mass_kg=masses[family.number],
+                        bbox_mm=placed,
+                        checks=checks[instance.mark],
+                    )
+                )
+        return sorted(records, key=lambda record: str(record["mark"]))
+
+    @contextmanager
+    def _timed(self, step: str) -> Iterator[None]:
+        begin = time.perf_counter()
+        yield
+        self.seconds[step] = self.seconds.get(step, 0.0) + time.perf_counter() - begin
+
+
+def part_settings(kit: Kit, folder: Path) -> PartSettings:
+    """What all parts of a kit share; files go below `folder`."""
+    output, formats = kit.project.output, kit.project.output.formats
+    settings = kit.linkage.settings
+    printed = Material(settings.printer.material, settings.printer.density)
+    metal = Material("Steel", kit.density("pin"))
+    roles: tuple[Role, ...] = ("link", "cap", "spacer", "coupon")
+    return PartSettings(
+        folder=folder,
+        step="step" in formats,
+        stl="stl" in formats,
+        chord=CHORD_MM,
+        schema=output.step_schema,
+        header=Header(output.author, output.organisation, kit.name),
+        materials={
+            **dict.fromkeys(roles, printed),
+            "pin": metal if settings.pin == "metal" else printed,
+        },
+        threemf="3mf" in formats,
+    )
+
+
+def _placed(mesh: TriangleMesh, placement: Any) -> Any:
+    """(2, 3) bounding box [mm] of a placed mesh."""
+    points = mesh.vertices @ placement[:3, :3].T + placement[:3, 3]
+    return np.stack([points.min(axis=0), points.max(axis=0)])

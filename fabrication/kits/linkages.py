@@ -1,0 +1,192 @@
+"""[linkage]: the kinds of linkage with their parameters, and the mechanisms that they make."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from ddgfab.errors import InputError
+from ddgfab.io import read_mesh
+from ddgfab.linkages import Mechanism, bennett, cube, knet_mechanism
+from ddgfab.mesh import Floats
+from ddgfab.net import Net
+from ddgfab.nets.knet import KNet, knet
+from ddgfab.nets.knet_recover import recover_knet
+from ddgfab.nets.registry import find_generator, generate
+from fabrication.project.models import Finite, Positive, Section
+
+Angle = Annotated[float, Field(gt=0, lt=360)]
+Twist = Annotated[float, Field(gt=0, lt=180)]
+Index = Annotated[int, Field(ge=0)]
+Count = Annotated[int, Field(ge=1, le=100)]
+
+BENNETT_BETA_DEG: Final = 70.0
+"""Second twist [deg] of a Bennett linkage when neither b nor beta is given."""
+
+
+class BennettLinkage(Section):
+    """[linkage] kind = "bennett": one isogram of four bars a, b, a, b.
+
+    Attributes
+    ----------
+    a_mm, alpha_deg : length and twist of two of the bars
+    b_mm, beta_deg : of the others; one of them is enough, as a / sin(alpha) = b / sin(beta); with
+        b_mm alone the twist is the acute one; neither: beta = 70 deg
+    design_deg : driving angle of the design pose, in which files and pictures show the kit
+    """
+
+    kind: Literal["bennett"] = "bennett"
+    a_mm: Positive = 100.0
+    alpha_deg: Twist = 40.0
+    b_mm: Positive | None = None
+    beta_deg: Twist | None = None
+    design_deg: Angle = 90.0
+
+    def mechanism(self, folder: Path | None = None) -> Mechanism:
+        """The mechanism; raises `InputError` where lengths and twists do not fit."""
+        beta = self.beta_deg
+        if self.b_mm is None and beta is None:
+            beta = BENNETT_BETA_DEG
+        return bennett(
+            self.a_mm,
+            np.radians(self.alpha_deg),
+            b=self.b_mm,
+            beta=None if beta is None else float(np.radians(beta)),
+            driver=float(np.radians(self.design_deg)),
+        )
+
+
+class CubeLinkage(Section):
+    """[linkage] kind = "cube": 12 bars on 8 hinges, six isograms, two degrees of freedom.
+
+    Attributes
+    ----------
+    twists_deg : of the bars of the three directions, all different
+    longest_mm : length of the longest bars; the others follow from the twists
+    corners_deg : angles at hinge 0 in the design pose, from its bar of direction 0 to the others
+    rates : how the two angles move along the path; [1, 0] locks the second, [1, -1] opens both
+    """
+
+    kind: Literal["cube"] = "cube"
+    twists_deg: tuple[Twist, Twist, Twist] = Field(default=(60.0, 100.0, 30.0), strict=False)
+    longest_mm: Positive = 140.0
+    corners_deg: tuple[Finite, Finite] = Field(default=(90.0, -90.0), strict=False)
+    rates: tuple[Finite, Finite] = Field(default=(1.0, 0.0), strict=False)
+
+    def mechanism(self, folder: Path | None = None) -> Mechanism:
+        """The mechanism; raises `InputError` where the twists make isograms that only fold."""
+        twists = np.radians(self.twists_deg)
+        lengths = self.longest_mm * np.sin(twists) / np.sin(twists).max()
+        first, second = np.radians(self.corners_deg).tolist()
+        return cube(lengths.tolist(), twists.tolist(), corners=(first, second), rates=self.rates)
+
+
+class KNetLinkage(Section):
+    """[linkage] kind = "knet": every quad of a K-net is an isogram; m + n - 1 degrees of freedom.
+
+    The net comes from a file, from a surface by name, or from Cauchy data (the default).
+
+    Attributes
+    ----------
+    file : OBJ, OFF or PLY of a K-net that is a grid, relative to the project file
+    surface, parameters : a kind of net that `ddgfab net --list` shows, and its parameters
+    patch : [i0, i1, j0, j1], the vertices of file or surface that are taken, ends included
+    cells, deltas_deg : number of cells in both directions and twists of their bars
+    turns_deg : how much each bar of the two lines through hinge 0 turns from the one before it
+    corner_deg : angle between these lines
+    longest_mm : length of the longest bars; all are scaled
+    anchor : vertex of the driving angle; by default the one in the middle
+    path : "locked" keeps the turns of the two lines through the anchor and moves the angle between
+        them; "fold" shrinks all, towards the bundle of bars
+    """
+
+    kind: Literal["knet"] = "knet"
+    file: Path | None = Field(default=None, strict=False)
+    surface: str | None = None
+    parameters: dict[str, Any] = Field(default_factory=dict)
+    patch: tuple[Index, Index, Index, Index] | None = Field(default=None, strict=False)
+    cells: tuple[Count, Count] | None = Field(default=None, strict=False)
+    deltas_deg: tuple[Twist, Twist] | None = Field(default=None, strict=False)
+    turns_deg: tuple[Finite, Finite] | None = Field(default=None, strict=False)
+    corner_deg: Finite | None = None
+    longest_mm: Positive = 100.0
+    anchor: tuple[Index, Index] | None = Field(default=None, strict=False)
+    path: Literal["locked", "fold"] = "locked"
+
+    @field_validator("surface")
+    @classmethod
+    def _known(cls, value: str | None) -> str | None:
+        if value is not None:
+            find_generator(value)
+        return value
+
+    @model_validator(mode="after")
+    def _one_source(self) -> KNetLinkage:
+        given = [name for name in ("file", "surface") if getattr(self, name) is not None]
+        cauchy = [
+            name
+            for name in ("cells", "deltas_deg", "turns_deg", "corner_deg")
+            if getattr(self, name) is not None
+        ]
+        if len(given) == 2 or (given and cauchy):
+            raise ValueError(f"{given[0]} and {[*given, *cauchy][1]} exclude each other")
+        if self.patch is not None and not given:
+            raise ValueError("patch is for file or surface")
+        if self.parameters and self.surface is None:
+            raise ValueError("parameters are those of a surface")
+        return self
+
+    def mechanism(self, folder: Path | None = None) -> Mechanism:
+        """The mechanism; a file is looked for from `folder`.
+
+        Raises
+        ------
+        InputError, MeshError
+            The file is no K-net: names the worst vertices and their defect. The patch or anchor is
+            not in the net.
+        """
+        net = self.net(folder)
+        longest = net.r * max(float(np.sin(delta).max()) for delta in net.deltas)
+        return knet_mechanism(
+            net, scale_mm=self.longest_mm / longest, anchor=self.anchor, path=self.path
+        )
+
+    def net(self, folder: Path | None = None) -> KNet:
+        """The K-net itself, in its own unit."""
+        if self.file is not None:
+            path = self.file if folder is None else folder / self.file
+            try:
+                return recover_knet(self._patch(Net.from_mesh(read_mesh(path).mesh))).knet
+            except InputError as error:
+                raise type(error)(
+                    f"{path}: {error}" if error.file is None else str(error)
+                ) from None
+        if self.surface is not None:
+            mesh = generate(self.surface, self.parameters)
+            return recover_knet(self._patch(Net.from_mesh(mesh))).knet
+        cells = self.cells or (2, 2)
+        deltas = np.radians(self.deltas_deg or (40.0, 40.0))
+        turns = np.radians(self.turns_deg or (0.0, 0.0))
+        corner = np.radians(90.0 if self.corner_deg is None else self.corner_deg)
+        return knet(
+            [np.full(count, delta) for count, delta in zip(cells, deltas, strict=True)],
+            [np.full(count - 1, turn) for count, turn in zip(cells, turns, strict=True)],
+            corner,
+        )
+
+    def _patch(self, net: Net) -> Floats:
+        """Points of the part of a net that is taken."""
+        points = np.asarray(net.points)
+        if self.patch is None:
+            return points
+        i0, i1, j0, j1 = self.patch
+        rows, columns = points.shape[:2]
+        if not (i0 < i1 < rows and j0 < j1 < columns):
+            raise InputError(
+                f"patch {list(self.patch)}: the net has vertices 0..{rows - 1} x 0..{columns - 1}, "
+                "and the second of each pair is greater than the first"
+            )
+        return points[i0 : i1 + 1, j0 : j1 + 1]

@@ -1,0 +1,239 @@
+"""Schedules of a kit: bill of materials, links, hinges, and the order of assembly.
+
+From the bill of materials alone (lengths, twists, adjacency) the linkage can be made again, which
+the tests do. Lengths and twists are therefore written with all digits.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+from ddgfab.linkages.mechanism import Mechanism
+from ddgfab.mesh import Floats
+from fabrication.linkage.links import Linkage
+from fabrication.specs import CouponShape, Family, Link, LinkShape, Pin, PinShape, RingShape
+from fabrication.table import Table
+
+Row: TypeAlias = dict[str, Any]
+Masses: TypeAlias = Mapping[str, float]
+
+DIGITS: Final = 13
+"""Significant digits of what the linkage is made again from."""
+
+FULL: Final = 1e-9
+"""An angle this near [rad] below a full turn is 0."""
+
+
+def kit_schedules(linkage: Linkage, masses: Masses) -> dict[str, Table]:
+    """Tables "bom", "links", "hinges" and "assembly"; masses [kg] by part number."""
+    return {
+        "bom": Table(bom_rows(linkage, masses), name="bom"),
+        "links": Table(link_rows(linkage), name="links"),
+        "hinges": Table(hinge_rows(linkage), name="hinges"),
+        "assembly": Table(assembly_rows(linkage), name="assembly"),
+    }
+
+
+def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
+    """A row a part number: how many, its main dimensions, where it belongs.
+
+    `between` says, for every link of the number, from which hinge to which it goes: its start is
+    the first, and the twist is counted about the direction from there.
+    """
+    pieces = {piece.mark: piece for piece in linkage.pieces}
+    rows = []
+    for family in linkage.families:
+        own = [pieces[instance.mark] for instance in family.instances]
+        between = [f"{p.hinges[0]}>{p.hinges[1]}" for p in own if isinstance(p, Link)]
+        hinges = [str(p.hinge) for p in own if not isinstance(p, Link) and p.hinge is not None]
+        rows.append(
+            {
+                "number": family.number,
+                "role": family.role,
+                "count": len(own),
+                "printed": is_printed(family),
+                **_dimensions(family),
+                "mass_kg": masses[family.number],
+                "between": " ".join(between or hinges),
+                "marks": " ".join(instance.mark for instance in family.instances),
+            }
+        )
+    return rows
+
+
+def is_printed(family: Family) -> bool:
+    """Whether a printer makes it; a pin without a head is a length of metal rod."""
+    shape = family.shape
+    return not (isinstance(shape, PinShape) and shape.head_height == 0)
+
+
+def _dimensions(family: Family) -> Row:
+    """The dimensions that a part is known by."""
+    shape = family.shape
+    row: Row = dict.fromkeys(
+        ("length_mm", "twist_deg", "hand", "diameter_mm", "bore_mm", "height_mm", "label")
+    )
+    if isinstance(shape, LinkShape):
+        row["length_mm"], row["twist_deg"] = _exact(shape.length), _exact(np.degrees(shape.twist))
+        row["hand"] = hand(shape.twist)
+        row["bore_mm"], row["height_mm"] = shape.bores[0], shape.eye_height
+        row["diameter_mm"] = shape.eye_diameter
+        row["label"] = shape.label.text if shape.label else None
+    elif isinstance(shape, PinShape):
+        row["length_mm"], row["diameter_mm"] = _exact(shape.length), shape.diameter
+    elif isinstance(shape, RingShape):
+        row["diameter_mm"], row["bore_mm"] = shape.diameter, shape.bore
+        row["height_mm"] = shape.height
+    else:
+        assert isinstance(shape, CouponShape)
+        row["height_mm"] = shape.thickness
+    return row
+
+
+def hand(twist: float) -> str:
+    """ "right" where the far axis is turned counterclockwise as it is seen coming near."""
+    return "right" if twist > 0 else "left"
+
+
+def _exact(value: float) -> str:
+    """A number with all the digits that count, as text: no table rounds it."""
+    return f"{value:.{DIGITS}g}"
+
+
+def link_rows(linkage: Linkage) -> list[Row]:
+    """A row a link: its hinges, levels, and the angle at its start in the design pose."""
+    mechanism = linkage.mechanism
+    numbers = number_of(linkage)
+    azimuths = bar_azimuths(mechanism)
+    rows = []
+    for piece in linkage.pieces:
+        if not isinstance(piece, Link):
+            continue
+        bar = piece.bar
+        rows.append(
+            {
+                "mark": piece.mark,
+                "number": numbers[piece.mark],
+                "bar": bar,
+                "strip": piece.strip,
+                "direction": piece.direction,
+                "hinge_start": piece.hinges[0],
+                "hinge_end": piece.hinges[1],
+                "pin_start": piece.pins[0],
+                "pin_end": piece.pins[1],
+                "level_start": piece.levels[0],
+                "level_end": piece.levels[1],
+                "length_mm": _exact(float(mechanism.lengths[bar])),
+                "twist_deg": _exact(float(np.degrees(mechanism.twists[bar]))),
+                "hand": hand(float(mechanism.twists[bar])),
+                "angle_start_deg": _exact(float(np.degrees(azimuths[bar, 0]))),
+                "angle_end_deg": _exact(float(np.degrees(azimuths[bar, 1]))),
+            }
+        )
+    return rows
+
+
+def bar_azimuths(mechanism: Mechanism) -> Floats:
+    """(E, 2) direction of each bar about the axis at its two hinges in the design pose [rad].
+
+    Counted about the axis from the hinge's bar of the lowest number, in [0, 2 pi).
+    """
+    pose = mechanism.pose(mechanism.design)
+    azimuths = np.zeros((mechanism.n_bars, 2))
+    reference: dict[int, Floats] = {}
+    for bar, hinges in enumerate(mechanism.bars.tolist()):
+        for end in (0, 1):
+            hinge, other = hinges[end], hinges[1 - end]
+            away = pose.points[other] - pose.points[hinge]
+            axis = pose.axes[hinge]
+            first = reference.setdefault(hinge, away)
+            sine = axis @ np.cross(first, away)
+            angle = float(np.arctan2(sine, first @ away)) % (2 * np.pi)
+            azimuths[bar, end] = 0.0 if 2 * np.pi - angle < FULL else angle
+    return azimuths
+
+
+def hinge_rows(linkage: Linkage) -> list[Row]:
+    """A row a hinge: its pin, where it is in the design pose, what is on it from the bottom up."""
+    numbers = number_of(linkage)
+    rows = []
+    for piece in linkage.pieces:
+        if not isinstance(piece, Pin) or piece.hinge is None:
+            continue
+        stack = linkage.stacks[piece.hinge]
+        x, axis = piece.position, piece.axis
+        rows.append(
+            {
+                "hinge": piece.hinge,
+                "pin": piece.mark,
+                "number": numbers[piece.mark],
+                "bars": sum(item.role == "link" for item in stack),
+                "stack": " ".join(item.mark for item in stack),
+                "diameter_mm": piece.shape.diameter,
+                "length_mm": piece.shape.length,
+                **dict(zip(("x_mm", "y_mm", "z_mm"), x.tolist(), strict=True)),
+                **dict(zip(("axis_x", "axis_y", "axis_z"), axis.tolist(), strict=True)),
+            }
+        )
+    return rows
+
+
+def assembly_rows(linkage: Linkage) -> list[Row]:
+    """A row a part in the order in which it is put on: pin by pin, each from its head upwards.
+
+    The pins come in an order in which every one but the first takes a link that is already there.
+    """
+    numbers = number_of(linkage)
+    pins = {p.hinge: p.mark for p in linkage.pieces if isinstance(p, Pin) and p.hinge is not None}
+    rows: list[Row] = []
+    for place, hinge in enumerate(hinge_order(linkage.mechanism), 1):
+        level = 0
+        for order, item in enumerate(linkage.stacks[hinge], 1):
+            link = item.role == "link"
+            rows.append(
+                {
+                    "step": len(rows) + 1,
+                    "pin_order": place,
+                    "hinge": hinge,
+                    "pin": pins[hinge],
+                    "order": order,
+                    "part": item.mark,
+                    "number": numbers[item.mark],
+                    "role": item.role,
+                    "level": level if link else None,
+                    "from_mm": item.low,
+                    "to_mm": item.high,
+                }
+            )
+            level += link
+    return rows
+
+
+def hinge_order(mechanism: Mechanism) -> list[int]:
+    """Hinges breadth first along the bars from hinge 0; a second piece of a linkage follows."""
+    near: list[list[int]] = [[] for _ in range(mechanism.n_hinges)]
+    for i, j in mechanism.bars.tolist():
+        near[i].append(j)
+        near[j].append(i)
+    order: list[int] = []
+    seen = [False] * mechanism.n_hinges
+    for start in range(mechanism.n_hinges):
+        waiting = deque([start])
+        while waiting:
+            hinge = waiting.popleft()
+            if not seen[hinge]:
+                seen[hinge] = True
+                order.append(hinge)
+                waiting.extend(near[hinge])
+    return order
+
+
+def number_of(linkage: Linkage) -> dict[str, str]:
+    """Part numbers by mark."""
+    return {
+        instance.mark: family.number for family in linkage.families for instance in family.instances
+    }
