@@ -3,15 +3,29 @@
 from __future__ import annotations
 
 from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
-from ddgfab.optimize.solve import Solution, SolveOptions, Step, solve
+from ddgfab.optimize.quality import Quality, folded_faces, interior_angles, roughness
+from ddgfab.optimize.recipes import Boundary, RecipeOptions, circularize, conicalize, planarize
+from ddgfab.optimize.result import OptimizeResult
+from ddgfab.optimize.solve import Solution, SolveOptions, Step, polish, solve
 
 __all__ = [
+    "Boundary",
     "Layout",
+    "OptimizeResult",
     "Problem",
+    "Quality",
+    "RecipeOptions",
     "Solution",
     "SolveOptions",
     "Step",
     "Term",
+    "circularize",
+    "conicalize",
+    "folded_faces",
+    "interior_angles",
     "mean_edge",
+    "planarize",
+    "polish",
+    "roughness",
     "solve",
 ]

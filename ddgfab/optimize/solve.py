@@ -39,6 +39,8 @@ class SolveOptions:
     """Part of the hard residuals that conjugate gradients may leave in a step."""
     iterations: int = 80
     """Conjugate gradient iterations in a step."""
+    iterative: bool = True
+    """Conjugate gradients where the soft terms allow them; otherwise always factor the system."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,7 @@ class _Stepper:
         self._options = options
         self._solver = SymmetricSolver()
         self._metric = None
-        if any(t.hard for t in problem.terms):
+        if options.iterative and any(t.hard for t in problem.terms):
             self._metric = FairMetric.of(problem, options.damping)
 
     def system(self, state: _State, lines: csr_array, damping: float) -> StepSystem:
@@ -195,9 +197,68 @@ def solve(
         ):
             status = "converged"
             break
+    return _finished(problem, state, status, history, chosen, throw)
+
+
+def polish(
+    problem: Problem,
+    options: SolveOptions | None = None,
+    *,
+    throw: bool = True,
+    progress: Progress | None = None,
+) -> Solution:
+    """Meet the hard terms of a problem with least movement from its start; soft ones are ignored.
+
+    Every step is the shortest one, -C' (C C' + eps)^-1 c: one unknown an equation, quadratic
+    convergence. It knows nothing of fairness, so it is for the last digits: `solve` first.
+
+    Parameters, return value and errors are those of `solve`.
+
+    Source: the dual Gauss-Newton method; Nocedal, Wright 2006, section 10.3.
+    """
+    chosen = options or SolveOptions()
+    solver = SymmetricSolver()
+    only = Problem(
+        problem.mesh,
+        problem.layout,
+        problem.start,
+        problem.scale,
+        problem.free,
+        tuple(t for t in problem.terms if t.hard),
+    )
+    state, status = _State(only, problem.start.copy()), "stopped"
+    history: list[Step] = []
+    for number in range(chosen.max_steps):
+        if state.violation <= chosen.tolerance:
+            status = "converged"
+            break
+        gradient, lines = state.gradient_and_lines()
+        system = Dual.of(solver, np.ones(len(gradient)), lines, chosen.regularisation)
+        move, _ = system.step(gradient, state.values, np.zeros(len(state.values)))
+        after, length, longest = _search(state, system, move, 1.0, chosen.longest_step)
+        if after is None:
+            status = "stalled"
+            break
+        state = after
+        history.append(Step(0.0, state.violation, longest, length))
+        if progress is not None:
+            progress(number, history[-1])
+    return _finished(problem, state, status, history, chosen, throw)
+
+
+def _finished(
+    problem: Problem,
+    state: _State,
+    status: str,
+    history: list[Step],
+    options: SolveOptions,
+    throw: bool,
+) -> Solution:
     solution = Solution(state.x, status, tuple(history))
     if throw and not solution.converged:
-        raise OptimizeError(_words(problem, state, status, len(history), chosen), solution=solution)
+        raise OptimizeError(
+            _words(problem, state, status, len(history), options), solution=solution
+        )
     return solution
 
 

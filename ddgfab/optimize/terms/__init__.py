@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
+from ddgfab.optimize.terms.angles import AngleSums, circularity_terms, conicality_terms
 from ddgfab.optimize.terms.base import LinearTerm, LocalTerm, VectorTerm, widened
+from ddgfab.optimize.terms.cones import Cones, cone_terms
+from ddgfab.optimize.terms.places import (
+    OnCurve,
+    OnSurface,
+    boundary_glide,
+    on_curve,
+    on_surface,
+)
 from ddgfab.optimize.terms.planarity import Planarity, planarity_terms
 from ddgfab.optimize.terms.shape import closeness, fairness, laplacian_fairness, strain
 
 __all__ = [
+    "AngleSums",
+    "Cones",
     "LinearTerm",
     "LocalTerm",
+    "OnCurve",
+    "OnSurface",
     "Planarity",
     "VectorTerm",
+    "boundary_glide",
+    "circularity_terms",
     "closeness",
+    "cone_terms",
+    "conicality_terms",
     "fairness",
     "laplacian_fairness",
+    "on_curve",
+    "on_surface",
     "planarity_terms",
     "strain",
     "widened",

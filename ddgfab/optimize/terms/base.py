@@ -22,6 +22,7 @@ class LocalTerm(ABC):
     ----------
     index : (m, k) the unknowns of each residual
     factor : (m,) or a number, multiplies each residual (one over a length, a weight of a row)
+    of, elements : what the residuals belong to ("face", "vertex", "edge") and (m,) their ids
     """
 
     name: str
@@ -29,6 +30,8 @@ class LocalTerm(ABC):
     factor: Floats | float = 1.0
     weight: float = 1.0
     hard: bool = False
+    of: str = "row"
+    elements: Ints | None = None
 
     @abstractmethod
     def values(self, local: Floats) -> Floats:

@@ -64,11 +64,9 @@ class Planarity(LocalTerm):
     Attributes
     ----------
     basis : (m, k) the rows B
-    faces : (m,) face of each row
     """
 
     basis: Floats
-    faces: Ints
 
     def values(self, local: Floats) -> Floats:
         """(m,) residuals."""
@@ -122,7 +120,8 @@ def planarity_terms(
                 weight=weight,
                 hard=hard,
                 basis=basis,
-                faces=np.repeat(ids, size - 3),
+                of="face",
+                elements=np.repeat(ids, size - 3),
             )
         )
     return tuple(terms)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array, diags_array
+from scipy.sparse import coo_array, csr_array, diags_array, vstack
 
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
@@ -99,6 +99,9 @@ def fairness(
 ) -> VectorTerm:
     """Polylines without bends: second differences, in mean edges.
 
+    Inner vertices of odd valence, where polylines end, are drawn to the mean of their neighbours:
+    so hexagonal meshes are fair as well.
+
     Parameters
     ----------
     smoothing : 1 aims at straight polylines, 0 at bends as they are (so that the movement is
@@ -107,7 +110,13 @@ def fairness(
 
     Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3.
     """
-    return _fair(mesh, second_differences(mesh, features), "fairness", weight, smoothing)
+    lines = second_differences(mesh, features)
+    odd = ~mesh.boundary_vertex & (mesh.valences % 2 == 1)
+    if features is not None:
+        odd[mesh.edges[np.asarray(features, dtype=np.int64)].ravel()] = False
+    if odd.any():
+        lines = csr_array(vstack([lines, laplacian(mesh)[np.flatnonzero(odd)]], format="csr"))
+    return _fair(mesh, lines, "fairness", weight, smoothing)
 
 
 def laplacian_fairness(mesh: Mesh, *, weight: float = 1.0, smoothing: float = 1.0) -> VectorTerm:

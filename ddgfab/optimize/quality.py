@@ -1,0 +1,98 @@
+"""What a mesh must not lose while it is optimised: unfolded faces, corner angles, smoothness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ddgfab.measures import dihedral_angles, planarity_percent
+from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.optimize.problem import mean_edge
+from ddgfab.optimize.terms.shape import second_differences
+
+_TURNED = np.pi / 2
+"""Faces whose normals differ by more than this [rad] across an edge are folded over it."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Numbers that people judge a mesh by.
+
+    Attributes
+    ----------
+    planarity : greatest distance of the diagonals over their mean (see `planarity_percent`)
+    angles : least and greatest interior angle [rad]; reflex corners count above pi
+    fairness : root mean square of the bends of polylines, |x0 - 2 x1 + x2| over the mean edge
+    """
+
+    planarity: float
+    angles: tuple[float, float]
+    fairness: float
+
+    @staticmethod
+    def of(mesh: Mesh) -> Quality:
+        """Measure a mesh."""
+        angles = interior_angles(mesh)
+        return Quality(
+            float(planarity_percent(mesh).max()) / 100,
+            (float(angles.min()), float(angles.max())),
+            roughness(mesh),
+        )
+
+
+def roughness(mesh: Mesh) -> float:
+    """Root mean square of the bends of polylines, |x0 - 2 x1 + x2| over the mean edge."""
+    bends = second_differences(mesh) @ mesh.vertices
+    if not len(bends):
+        return 0.0
+    return float(np.sqrt((bends**2).sum(axis=1).mean())) / mean_edge(mesh)
+
+
+def interior_angles(mesh: Mesh) -> Floats:
+    """(C,) interior angles of the faces [rad], 0..2 pi: above pi at reflex corners."""
+    here = mesh.vertices[mesh.corners]
+    ahead = mesh.vertices[mesh.corners[mesh.corner_next]] - here
+    back = mesh.vertices[mesh.corners[mesh.corner_previous]] - here
+    side = np.einsum("cx,cx->c", np.cross(ahead, back), mesh.face_normals[mesh.corner_face])
+    return np.where(side < 0, 2 * np.pi - mesh.corner_angles, mesh.corner_angles)
+
+
+def _crossed(mesh: Mesh) -> NDArray[np.bool_]:
+    """(F,) faces of which two sides cross, seen along the face normal."""
+    crossed = np.zeros(mesh.n_faces, dtype=bool)
+    for size in np.unique(mesh.face_sizes[mesh.face_sizes > 3]).tolist():
+        ids = np.flatnonzero(mesh.face_sizes == size)
+        points = mesh.vertices[mesh.corners[mesh.face_start[ids, None] + np.arange(size)]]
+        normal = mesh.face_normals[ids]
+
+        def side(a: Floats, b: Floats, c: Floats, up: Floats = normal) -> Floats:
+            return np.asarray(np.einsum("fx,fx->f", np.cross(b - a, c - a), up))
+
+        for i in range(size):
+            for j in range(i + 2, size - (i == 0)):
+                a, b = points[:, i], points[:, i + 1]
+                c, d = points[:, j], points[:, (j + 1) % size]
+                crossed[ids] |= (side(a, b, c) * side(a, b, d) < 0) & (
+                    side(c, d, a) * side(c, d, b) < 0
+                )
+    return crossed
+
+
+def folded_faces(mesh: Mesh, before: Mesh | None = None) -> Ints:
+    """Faces of which sides cross, that have no area, or that are folded over a neighbour.
+
+    Parameters
+    ----------
+    before : the same mesh earlier; what was folded there already does not count
+    """
+
+    def folded(one: Mesh) -> NDArray[np.bool_]:
+        bad = _crossed(one) | ~(one.face_areas > 0)
+        over = np.abs(dihedral_angles(one)) > _TURNED
+        bad[one.edge_faces[over].ravel()] = True
+        return bad
+
+    now = folded(mesh)
+    return np.flatnonzero(now if before is None else now & ~folded(before))
