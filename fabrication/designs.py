@@ -15,8 +15,9 @@ from ddgfab.errors import InputError
 from ddgfab.io import read_mesh
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
+from ddgfab.nets.generators import GENERATORS
 from ddgfab.nets.registry import generate
-from ddgfab.support import SupportStructure, support_structure
+from ddgfab.support import SupportKind, SupportStructure, support_structure
 from fabrication.detailing import Gridshell, detail
 from fabrication.families import families
 from fabrication.project import MESH, Project, load_project, project_for_mesh
@@ -176,7 +177,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     stop("measure")
     start("support structure")
     support = support_structure(
-        net.mesh, project.support.kind, lean_limit_deg=project.support.lean_limit_deg
+        net.mesh, support_kind(project), lean_limit_deg=project.support.lean_limit_deg
     )
     stop("support structure")
     start("detail")
@@ -184,6 +185,14 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     grouped = families(gridshell.pieces, project.checks.family_tolerance_mm)
     stop("detail")
     return Design(project, net, measures, support, gridshell, grouped, seconds)
+
+
+def support_kind(project: Project) -> SupportKind:
+    """The project's kind of node axes; where it names none, what suits its kind of net."""
+    generated = GENERATORS.get(project.net.kind)
+    if generated is None or "kind" in project.support.model_fields_set:
+        return project.support.kind
+    return generated.support
 
 
 def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
@@ -216,5 +225,17 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
             file=None if read is None else read.file,
         )
     if read is None:
-        return NetInput(mesh.scaled(factor), None, None, ())
+        return NetInput(mesh.scaled(factor), None, None, _notes(project))
     return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes)
+
+
+def _notes(project: Project) -> tuple[str, ...]:
+    """What should be known of a generated net."""
+    kind = project.net.kind
+    if support_kind(project) != "normals":
+        return ()
+    return (
+        f'[net] kind = "{kind}" follows asymptotic lines: no upright axes are free of torsion, so '
+        "node axes are the surface normals and every beam twists between its ends ([checks] "
+        "torsion_deg says how far it may)",
+    )

@@ -116,16 +116,31 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
     """Rows of the beam schedule, by edge.
 
     length_cut_mm is the length of the bar to saw, over all; a mitre [deg] between cut and square
-    cut is positive where the beam is longer at the top.
+    cut is positive where the beam is longer at the top. Where node axes leave torsion in the beams
+    there are four columns more: a skew [deg] between cut and square cut as seen from above,
+    positive where the beam is longer on its left (a compound angle, where there is a mitre too),
+    and a roll [deg] from the beam's own upright to the node axis, positive to the left as seen
+    from the start.
     """
+    twisted = any(any(beam.roll) for beam in gridshell.beams)
     pieces = {beam.mark: beam for beam in gridshell.beams}
     rows = {}
     for family, instance in _instances(families, "beam"):
         beam, shape = pieces[instance.mark], cast(BeamShape, family.shape)
         start, end = fibre_ends(shape)
-        nodes, panels = beam.nodes, beam.panels
+        nodes, panels, roll = beam.nodes, beam.panels, np.degrees(beam.roll).tolist()
         if _relative(beam, instance)[0, 0] < 0:  # turned end for end
-            nodes, panels = nodes[::-1], panels[::-1]
+            nodes, panels, roll = nodes[::-1], panels[::-1], [-roll[1], -roll[0]]
+        torsion = (
+            {
+                "skew_start_deg": float(np.degrees(-np.arctan(shape.start.skew))),
+                "skew_end_deg": float(np.degrees(np.arctan(shape.end.skew))),
+                "roll_start_deg": roll[0],
+                "roll_end_deg": roll[1],
+            }
+            if twisted
+            else {}
+        )
         rows[beam.mark] = {
             "mark": beam.mark,
             "number": family.number,
@@ -138,6 +153,7 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             "mitre_start_deg": float(np.degrees(-np.arctan(shape.start.slope))),
             "mitre_end_deg": float(np.degrees(np.arctan(shape.end.slope))),
             "torsion_deg": float(np.degrees(beam.torsion)),
+            **torsion,
             "mass_kg": masses[family.number],
             "panel_left": panels[0],
             "panel_right": panels[1],

@@ -89,6 +89,7 @@ from ddgfab.nets.knet_breather import breather
 from ddgfab.nets.knet_crab import CrabNet, crab_net, string_forces, string_tensions
 from ddgfab.nets.knet_dini import dini, pseudosphere, vacuum
 from ddgfab.nets.knet_evolve import evolve_spherical, spherical_fourth
+from ddgfab.nets.knet_kuen import kuen
 from ddgfab.nets.knet_quad import SkewParallelogram, skew_parallelogram
 from ddgfab.nets.knet_recover import KNetRecovery, knet_from_mesh, recover_knet
 from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
@@ -180,6 +181,7 @@ __all__ = [
     "kinds",
     "knet",
     "knet_from_mesh",
+    "kuen",
     "lattice",
     "lelieuvre",
     "miquel_point",

@@ -14,6 +14,8 @@ from ddgfab.nets import (  # noqa: F401
     canopy,
     conical_roof,
     cyclide,
+    knet_roofs,
+    knet_towers,
     koebe_ball,
     minimal_roof,
     monge,

@@ -109,26 +109,27 @@ def kuen(u: ArrayLike, v: ArrayLike, shift: float = 0.0) -> KSurface:
     """
     grid = _grid(u, v)
     points, normals = _line(grid)
-    theta, psi = grid[0] + grid[1], 2.0 * np.arctan(np.exp(grid[1] - grid[0]))
-    x, n = double_transform(points.real, normals.real, theta.real, psi.real, shift - theta.real)
+    theta, along = (grid[0] + grid[1]).real, (grid[1] - grid[0]).real
+    sine, cosine = 1.0 / np.cosh(along), -np.tanh(along)
+    x, n = double_transform(points.real, normals.real, sine, cosine, shift - theta)
     return KSurface(x, n)
 
 
 def double_transform(
-    points: Floats, normals: Floats, theta: Floats, psi: Floats, growth: Floats
+    points: Floats, normals: Floats, sine: Floats, cosine: Floats, growth: Floats
 ) -> tuple[Floats, Floats]:
     """Points and normals of the line's double transform of one angle pi / 2, smooth or discrete.
 
     Parameters
     ----------
-    points, normals : (..., 3) of the line; its normals have azimuth theta
-    theta, psi : (...) azimuth, and direction of the simple transform
+    points, normals : (..., 3) of the line, which is the z axis
+    sine, cosine : (...) of psi, the direction of the simple transform
     growth : (...) derivative of ln tan(psi / 2) by sigma at pi / 2
     """
-    t = np.stack([-np.sin(theta), np.cos(theta), 0.0 * theta], axis=-1)
-    up = np.zeros_like(t)
+    up = np.zeros_like(normals)
     up[..., 2] = 1.0
-    cos, sin = np.cos(psi)[..., None], np.sin(psi)[..., None]
+    t = np.cross(up, normals)
+    cos, sin = cosine[..., None], sine[..., None]
     first = cos * t + sin * up
     d = -normals + (sin * growth[..., None]) * (cos * up - sin * t)
     factor = 2.0 / np.einsum("...i,...i->...", d, d)[..., None]  # <n, d> = -1
