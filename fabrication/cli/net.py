@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from ddgfab.mesh import Mesh
 from fabrication.cli.common import Debug, app, errors, toml_value
 
 
@@ -25,6 +26,12 @@ def net_command(
     offset: Annotated[
         float | None,
         typer.Option(help="Write the net parallel to it at this distance [mm] instead."),
+    ] = None,
+    circles: Annotated[
+        Path | None,
+        typer.Option(
+            help="Also write incircles and vertex spheres (koebe, minimal): CSV, OBJ or STEP."
+        ),
     ] = None,
     debug: Debug = False,
 ) -> None:
@@ -54,7 +61,24 @@ def net_command(
             said = str(report)
         target = output or Path(f"{kind}.obj")
         write_mesh(target, mesh)
-    typer.echo(f"{said}\n{mesh!r}\nwritten to {target} [mm]")
+        counts = "" if circles is None else _write_circles(circles, mesh)
+    typer.echo(f"{said}\n{mesh!r}\nwritten to {target} [mm]{counts}")
+
+
+def _write_circles(path: Path, mesh: Mesh) -> str:
+    """Write the circles and spheres of an s-isothermic net; say how many."""
+    from ddgfab.io.circles import write_circles
+    from ddgfab.nets.sisothermic import SIsothermic
+
+    curves = SIsothermic.of(mesh).curves()
+    if path.suffix.lower() in (".step", ".stp"):
+        from fabrication.export.circles import write_step_circles
+
+        write_step_circles(path, curves)
+    else:
+        write_circles(path, curves)
+    counts = ", ".join(f"{len(given)} {kind}s" for kind, given in curves.items())
+    return f"\n{counts} written to {path} [mm]"
 
 
 def _list_nets(names: tuple[str, ...]) -> None:

@@ -28,6 +28,7 @@ DECIMALS: Final[tuple[tuple[str, int], ...]] = (
     ("_m3", 6),
     ("_deg", 4),
     ("_kg", 3),
+    ("_g", 2),
     ("_percent", 4),
     ("axis_x", 9),
     ("axis_y", 9),

@@ -109,7 +109,7 @@ class _KitJob:
         gif = "gif" in self.formats
         pictures = self.pool.submit(write_pictures, self.staging, families, meshes, scene, gif)
         with self._timed("plates"):
-            extra = self._plates()
+            extra = [*motion_checks(self.kit), *self._plates()]
         with self._timed("poses"):
             self.tell("poses", 0, 0)
             poses = check_poses(self.kit, meshes)
@@ -283,6 +283,15 @@ class _KitJob:
         begin = time.perf_counter()
         yield
         self.seconds[step] = self.seconds.get(step, 0.0) + time.perf_counter() - begin
+
+
+def motion_checks(kit: Kit) -> list[Check]:
+    """That the linkage moves at all, and that its range is proven."""
+    moved = float(np.degrees(kit.motion.high - kit.motion.low))
+    return [
+        Check("free range [deg]", moved > 0, moved, 0.0),
+        Check("free range is proven", kit.motion.proven, kit.motion.certificate),
+    ]
 
 
 def part_settings(kit: Kit, folder: Path) -> PartSettings:

@@ -29,6 +29,8 @@ from fabrication.specs import Family, Instance, Role
 from fabrication.standards import density
 from fabrication.table import Table
 
+MESHES: Final = (".obj", ".off", ".ply")
+
 SECTIONS: Final = ("project", "linkage", "printer", "parts", "motion", "output")
 
 
@@ -214,7 +216,8 @@ def kit(
 
     Parameters
     ----------
-    source : "bennett" (the default), "cube", "knet", "crab", or a project file (TOML)
+    source : "bennett" (the default), "cube", "knet", "crab", a project file (TOML), or a mesh file
+        (OBJ, OFF, PLY) of a K-net
     progress : called as (step, done, of)
     settings : parameters of [linkage], such as ``a_mm=80``, and sections that differ from the
         project's or the defaults, such as ``parts={"pin": "printed"}``
@@ -233,17 +236,22 @@ def kit(
 
 
 def find_kit_project(source: str | Path | None, settings: Mapping[str, Any]) -> KitProject:
-    """The project of a kind or TOML file, with parameters and sections changed."""
+    """The project of a kind, project or mesh file, with parameters and sections changed."""
     sections = {name: dict(value) for name, value in settings.items() if name in SECTIONS}
     parameters = {name: value for name, value in settings.items() if name not in SECTIONS}
     linkage = {**sections.get("linkage", {}), **parameters}
     if source is not None and Path(source).suffix.lower() == ".toml":
         return load_kit_project(source, {**sections, "linkage": linkage})
+    if source is not None and Path(source).suffix.lower() in MESHES:
+        linkage = {"file": str(source), **linkage}
+        name = sections.get("project", {}).get("name", Path(source).stem)
+        sections["project"] = {**sections.get("project", {}), "name": name}
+        source = "knet"
     kind = "bennett" if source is None else str(source)
     if kind not in kit_kinds():
         raise InputError(
             f'"{kind}" is neither a kind of linkage ({", ".join(kit_kinds())}) nor a project '
-            "(.toml)"
+            f"(.toml) or a mesh ({', '.join(MESHES)})"
         )
     return make_kit_project({**sections, "linkage": {"kind": kind, **linkage}})
 

@@ -25,6 +25,10 @@ AIR: Final = 0.03
 """Room left around the moving model, as a part of its size."""
 
 
+EXACT: Final = "_exact"
+"""Columns whose names hold this are for machines; the page leaves them out."""
+
+
 @dataclass(frozen=True, eq=False)
 class Moving:
     """A piece that moves: which body (position), its group, what is said when it is pointed at."""
@@ -193,7 +197,7 @@ def _sections(page: Page) -> str:
 
 
 def _table(table: Table) -> str:
-    columns = table.columns
+    columns = [name for name in table.columns if EXACT not in name]
     head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
     body = "".join(
         "<tr>" + "".join(_cell(row.get(name), name) for name in columns) + "</tr>" for row in table
@@ -207,8 +211,10 @@ def _table(table: Table) -> str:
 def _cell(value: Any, column: str) -> str:
     if value is None:
         return "<td></td>"
+    if isinstance(value, bool):
+        return f"<td>{'yes' if value else 'no'}</td>"
     if isinstance(value, float):
         return f'<td class="n">{value:.{min(decimals(column), 3)}f}</td>'
-    if isinstance(value, int) and not isinstance(value, bool):
+    if isinstance(value, int):
         return f'<td class="n">{value}</td>'
     return f"<td>{html.escape(str(value))}</td>"

@@ -57,9 +57,10 @@ def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
                 "count": len(own),
                 "printed": is_printed(family),
                 **_dimensions(family),
-                "mass_kg": masses[family.number],
+                "mass_g": 1000.0 * masses[family.number],
                 "between": " ".join(between or hinges),
                 "marks": " ".join(instance.mark for instance in family.instances),
+                **_exact_dimensions(family),
             }
         )
     return rows
@@ -78,13 +79,13 @@ def _dimensions(family: Family) -> Row:
         ("length_mm", "twist_deg", "hand", "diameter_mm", "bore_mm", "height_mm", "label")
     )
     if isinstance(shape, LinkShape):
-        row["length_mm"], row["twist_deg"] = _exact(shape.length), _exact(np.degrees(shape.twist))
+        row["length_mm"], row["twist_deg"] = shape.length, float(np.degrees(shape.twist))
         row["hand"] = hand(shape.twist)
         row["bore_mm"], row["height_mm"] = shape.bores[0], shape.eye_height
         row["diameter_mm"] = shape.eye_diameter
         row["label"] = shape.label.text if shape.label else None
     elif isinstance(shape, PinShape):
-        row["length_mm"], row["diameter_mm"] = _exact(shape.length), shape.diameter
+        row["length_mm"], row["diameter_mm"] = shape.length, shape.diameter
     elif isinstance(shape, RingShape):
         row["diameter_mm"], row["bore_mm"] = shape.diameter, shape.bore
         row["height_mm"] = shape.height
@@ -94,12 +95,23 @@ def _dimensions(family: Family) -> Row:
     return row
 
 
+def _exact_dimensions(family: Family) -> Row:
+    """Length and twist of a link with all digits."""
+    shape = family.shape
+    if not isinstance(shape, LinkShape):
+        return {"length_exact_mm": None, "twist_exact_deg": None}
+    return {
+        "length_exact_mm": exact(shape.length),
+        "twist_exact_deg": exact(float(np.degrees(shape.twist))),
+    }
+
+
 def hand(twist: float) -> str:
     """ "right" where the far axis is turned counterclockwise as it is seen coming near."""
     return "right" if twist > 0 else "left"
 
 
-def _exact(value: float) -> str:
+def exact(value: float) -> str:
     """A number with all the digits that count, as text: no table rounds it."""
     return f"{value:.{DIGITS}g}"
 
@@ -127,11 +139,12 @@ def link_rows(linkage: Linkage) -> list[Row]:
                 "pin_end": piece.pins[1],
                 "level_start": piece.levels[0],
                 "level_end": piece.levels[1],
-                "length_mm": _exact(float(mechanism.lengths[bar])),
-                "twist_deg": _exact(float(np.degrees(mechanism.twists[bar]))),
+                "length_mm": float(mechanism.lengths[bar]),
+                "twist_deg": float(np.degrees(mechanism.twists[bar])),
                 "hand": hand(float(mechanism.twists[bar])),
-                "angle_start_deg": _exact(float(np.degrees(azimuths[bar, 0]))),
-                "angle_end_deg": _exact(float(np.degrees(azimuths[bar, 1]))),
+                "angle_start_deg": float(np.degrees(azimuths[bar, 0])),
+                "angle_end_deg": float(np.degrees(azimuths[bar, 1])),
+                "angle_start_exact_deg": exact(float(np.degrees(azimuths[bar, 0]))),
             }
         )
     return rows

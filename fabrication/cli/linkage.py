@@ -1,0 +1,112 @@
+"""`ddgfab linkage`: from a kind of linkage or a project to a kit that can be printed and moved."""
+
+from __future__ import annotations
+
+import re
+import time
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fabrication.cli.common import Debug, app, errors, progress, sections_of, words
+
+if TYPE_CHECKING:
+
+    from fabrication.kits.kit import Kit
+    from fabrication.pipeline import JobResult
+
+
+@app.command("linkage")
+def linkage_command(
+    source: Annotated[
+        str | None,
+        typer.Argument(
+            help="bennett, cube, knet, crab, a project (TOML) or a K-net mesh (OBJ, OFF, PLY); "
+            "none: the default Bennett kit."
+        ),
+    ] = None,
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", help="Folder; default outputs/<name>.")
+    ] = None,
+    a: Annotated[float | None, typer.Option(help="Bennett: length a [mm].")] = None,
+    alpha: Annotated[float | None, typer.Option(help="Bennett: twist alpha [deg].")] = None,
+    b: Annotated[float | None, typer.Option(help="Bennett: length b [mm].")] = None,
+    beta: Annotated[float | None, typer.Option(help="Bennett: twist beta [deg].")] = None,
+    printer: Annotated[
+        str | None, typer.Option(help="Preset: fdm-0.4, fdm-0.25, sla, sls.")
+    ] = None,
+    pin: Annotated[str | None, typer.Option(help="metal or printed.")] = None,
+    bed: Annotated[str | None, typer.Option(help="Bed of the printer [mm], as 220x220.")] = None,
+    maximize_range: Annotated[
+        bool, typer.Option("--maximize-range", help="Try what widens the free range.")
+    ] = False,
+    labels: Annotated[bool, typer.Option(help="Part numbers on the links.")] = True,
+    jobs: Annotated[int | None, typer.Option(min=0, help="Processes; 0: one a core.")] = None,
+    formats: Annotated[
+        str | None, typer.Option(help="Files to write, for instance step,stl,3mf,csv,html,gif.")
+    ] = None,
+    change: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", help="Change a setting: linkage.design_deg=60, parts.label=none, ..."
+        ),
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """A Bennett linkage, a 12-bar cube or a whole K-net as a kit that prints and moves."""
+    with errors(debug), progress() as tell:
+        from fabrication.kits.job import make_kit
+        from fabrication.kits.kit import detail_kit, find_kit_project
+        from fabrication.pool import worker_pool
+
+        begin = time.perf_counter()
+        sections = sections_of(change or [])
+        _set(sections, "linkage", a_mm=a, alpha_deg=alpha, b_mm=b, beta_deg=beta)
+        _set(sections, "printer", preset=printer, bed_mm=None if bed is None else _size(bed))
+        _set(sections, "parts", pin=pin, label=None if labels else "none")
+        _set(sections, "motion", maximize_range=maximize_range or None)
+        _set(sections, "output", jobs=jobs, formats=None if formats is None else words(formats))
+        project = find_kit_project(source, sections)
+        with worker_pool(project.output.jobs) as pool:  # loads the kernel while this one designs
+            made = detail_kit(project, tell)
+            result = make_kit(made, output, pool=pool, progress=tell)
+        seconds = time.perf_counter() - begin
+    _report(made, result, seconds)
+    raise typer.Exit(result.exit_code)
+
+
+def _set(sections: dict[str, dict[str, Any]], section: str, **values: Any) -> None:
+    """Put values that are given into a section."""
+    given = {name: value for name, value in values.items() if value is not None}
+    if given:
+        sections.setdefault(section, {}).update(given)
+
+
+def _size(text: str) -> tuple[float, float]:
+    """`220x220` as two numbers [mm]."""
+    from ddgfab.errors import ProjectError
+
+    match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*[xX]\s*(\d+(?:\.\d+)?)\s*", text)
+    if match is None:
+        raise ProjectError(f"--bed {text}: expected width x depth in mm, such as 220x220")
+    return float(match[1]), float(match[2])
+
+
+def _report(kit: Kit, result: JobResult, seconds: float) -> None:
+    """The closing words of a job."""
+    manifest = result.manifest
+    typer.echo(f"{kit.name}: {kit.summary()}")
+    for name, value in kit.motion_words():
+        typer.echo(f"{name}: {value}")
+    numbers = len(kit.families)
+    checks = manifest["checks"]
+    plates = f"{len(kit.plates)} plate{'s' if len(kit.plates) != 1 else ''}"
+    typer.echo(
+        f"{len(manifest['parts'])} parts of {numbers} part numbers on {plates}; "
+        f"{checks['passed']} checks passed, {checks['failed']} failed; {seconds:.1f} s"
+    )
+    for note in manifest["notes"]:
+        typer.echo(f"note: {note}")
+    for problem in result.problems:
+        typer.echo(f"FAILED {problem}", err=True)
+    typer.echo(f"{len(manifest['files'])} files in {result.folder}")
