@@ -145,6 +145,7 @@ def link_rows(linkage: Linkage) -> list[Row]:
                 "angle_start_deg": float(np.degrees(azimuths[bar, 0])),
                 "angle_end_deg": float(np.degrees(azimuths[bar, 1])),
                 "angle_start_exact_deg": exact(float(np.degrees(azimuths[bar, 0]))),
+                "angle_end_exact_deg": exact(float(np.degrees(azimuths[bar, 1]))),
             }
         )
     return rows
@@ -202,11 +203,15 @@ def assembly_rows(linkage: Linkage) -> list[Row]:
     """
     numbers = number_of(linkage)
     pins = {p.hinge: p.mark for p in linkage.pieces if isinstance(p, Pin) and p.hinge is not None}
+    levels = {
+        (piece.mark, hinge): level
+        for piece in linkage.pieces
+        if isinstance(piece, Link)
+        for hinge, level in zip(piece.hinges, piece.levels, strict=True)
+    }
     rows: list[Row] = []
     for place, hinge in enumerate(hinge_order(linkage.mechanism), 1):
-        level = 0
         for order, item in enumerate(linkage.stacks[hinge], 1):
-            link = item.role == "link"
             rows.append(
                 {
                     "step": len(rows) + 1,
@@ -217,12 +222,11 @@ def assembly_rows(linkage: Linkage) -> list[Row]:
                     "part": item.mark,
                     "number": numbers[item.mark],
                     "role": item.role,
-                    "level": level if link else None,
+                    "level": levels.get((item.mark, hinge)),
                     "from_mm": item.low,
                     "to_mm": item.high,
                 }
             )
-            level += link
     return rows
 
 
