@@ -1,6 +1,7 @@
 """Linkages: kinematics of Bennett isograms, cubes, whole K-nets and closed rotational nets."""
 
 from ddgfab.linkages.bennett import bennett
+from ddgfab.linkages.crab import crab_mechanism
 from ddgfab.linkages.cube import cube
 from ddgfab.linkages.flex import flex
 from ddgfab.linkages.mechanism import Mechanism, Pose, bar_lengths, signed_twists
@@ -12,6 +13,7 @@ __all__ = [
     "Pose",
     "bar_lengths",
     "bennett",
+    "crab_mechanism",
     "cube",
     "flex",
     "knet_mechanism",

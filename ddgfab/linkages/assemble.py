@@ -1,11 +1,13 @@
-"""From a lattice that moves to a `Mechanism`: lengths, twists, mobility, dead points."""
+"""From a drive to a `Mechanism`: lengths, twists, mobility and dead points of what moves."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from ddgfab.linkages.lattice import Grid, Lattice
-from ddgfab.linkages.mechanism import Mechanism, Pose, bar_lengths, signed_twists
+from ddgfab.linkages.lattice import Grid
+from ddgfab.linkages.mechanism import Drive, Mechanism, Pose, bar_lengths, signed_twists
 from ddgfab.linkages.mobility import mobility
 from ddgfab.mesh import Floats, Ints
 
@@ -14,6 +16,9 @@ FOLD_SAMPLES = 721
 
 BISECTIONS = 50
 """Halvings that place a dead point."""
+
+SAME_ANGLE = 1e-6
+"""Dead points closer than this [rad] are one."""
 
 
 def isogram_angles(points: Floats, axes: Floats, cells: Ints) -> Floats:
@@ -24,54 +29,65 @@ def isogram_angles(points: Floats, axes: Floats, cells: Ints) -> Floats:
     return np.arctan2(sine, np.einsum("...i,...i->...", a, b))
 
 
-def dead_points(
-    lattice: Lattice, cells: Ints, limits: tuple[float, float]
-) -> tuple[tuple[float, str], ...]:
-    """Driving angles inside or at the limits at which isograms are collinear, and their names.
+def crossings(
+    values: Callable[[Floats], Floats], limits: tuple[float, float]
+) -> tuple[tuple[float, tuple[int, ...]], ...]:
+    """Where columns of `values`, (T, F) of (T,) angles, change sign: the angle, which columns.
 
-    Sign changes of the sine of the angle at the first hinge, by samples and bisection.
+    By samples and bisection: two crossings between samples are missed.
     """
     ts = np.linspace(*limits, FOLD_SAMPLES)
-
-    def sines(angles: Floats) -> Floats:
-        points, axes = lattice.place(angles)
-        return np.sin(isogram_angles(points, axes, cells))
-
-    values = sines(ts)
-    at, which = np.nonzero(values[:-1] * values[1:] <= 0)
-    low, high, sign = ts[at], ts[at + 1], np.sign(values[at, which])
+    sampled = values(ts)
+    at, which = np.nonzero(sampled[:-1] * sampled[1:] <= 0)
+    low, high, sign = ts[at], ts[at + 1], np.sign(sampled[at, which])
     pick = np.arange(len(at))
     for _ in range(BISECTIONS if len(at) else 0):
         middle = (low + high) / 2
-        same = sines(middle)[pick, which] * sign > 0
+        same = values(middle)[pick, which] * sign > 0
         low, high = np.where(same, middle, low), np.where(same, high, middle)
-    found: dict[float, list[int]] = {}
-    for t, cell in sorted(zip((low + high) / 2, which, strict=True)):
-        near = [key for key in found if abs(key - t) < 1e-6]
-        cells_here = found.setdefault(near[0] if near else float(t), [])
-        if int(cell) not in cells_here:
-            cells_here.append(int(cell))
-    return tuple((t, _fold_name(ids, len(cells))) for t, ids in found.items())
+    found: list[tuple[float, set[int]]] = []
+    for t, column in sorted(zip((low + high) / 2, which, strict=True)):
+        if not found or t - found[-1][0] > SAME_ANGLE:
+            found.append((float(t), set()))
+        found[-1][1].add(int(column))
+    return tuple((t, tuple(sorted(columns))) for t, columns in found)
 
 
-def _fold_name(ids: list[int], total: int) -> str:
+def dead_points(
+    drive: Drive, cells: Ints, limits: tuple[float, float]
+) -> tuple[tuple[float, str], ...]:
+    """Driving angles at which isograms are folded (their bars in one line), and which."""
+
+    def sines(ts: Floats) -> Floats:
+        points, axes = drive.place(ts)
+        return np.sin(isogram_angles(points, axes, cells))
+
+    return tuple((t, _fold_words(ids, len(cells))) for t, ids in crossings(sines, limits))
+
+
+def _fold_words(ids: tuple[int, ...], total: int) -> str:
     if len(ids) == total:
         return "all bars in one line" if total > 1 else "the four bars in one line"
-    words = ", ".join(map(str, sorted(ids)[:4])) + (", ..." if len(ids) > 4 else "")
+    words = ", ".join(map(str, ids[:4])) + (", ..." if len(ids) > 4 else "")
     return f"isogram{'s' if len(ids) > 1 else ''} {words} folded"
 
 
 def assemble(
     kind: str,
-    lattice: Lattice,
+    drive: Drive,
     grid: Grid,
     *,
+    design: float,
     limits: tuple[float, float],
     driver: str,
     path: str,
+    extra: tuple[tuple[float, str], ...] = (),
 ) -> Mechanism:
-    """The mechanism of a lattice: what is derived of its design pose is derived here."""
-    points, axes = lattice.place(np.array([lattice.design]))
+    """The mechanism of a drive: what follows from its design pose is derived here.
+
+    `extra` are dead points beside the folded isograms.
+    """
+    points, axes = drive.place(np.array([design]))
     pose = Pose(points[0], axes[0])
     return Mechanism(
         kind,
@@ -84,8 +100,8 @@ def assemble(
         mobility(grid.bars, pose),
         driver,
         limits,
-        lattice.design,
-        dead_points(lattice, grid.cells, limits),
+        design,
+        tuple(sorted((*dead_points(drive, grid.cells, limits), *extra))),
         path,
-        lattice,
+        drive,
     )

@@ -92,6 +92,7 @@ def bennett(
         "bennett",
         lattice,
         Grid.build(lattice.shape),
+        design=lattice.design,
         limits=(0.0, 2 * np.pi),
         driver="angle at hinge 0 from bar 0 to bar 2",
         path="one degree of freedom",

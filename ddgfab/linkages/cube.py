@@ -88,6 +88,7 @@ def cube(
         "cube",
         lattice,
         Grid.build(lattice.shape),
+        design=lattice.design,
         limits=(float(start) - reach, float(start) + reach),
         driver=f"angle at hinge 0 from bar {pair[0]} to bar {pair[1]}",
         path="; ".join(words),

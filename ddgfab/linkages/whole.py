@@ -85,6 +85,7 @@ def knet_mechanism(
         "knet",
         lattice,
         grid,
+        design=lattice.design,
         limits=limits,
         driver=f"angle at hinge {hinge} from bar {bar[0]} to bar {bar[1]}",
         path=words,
