@@ -318,15 +318,13 @@ def _walk(n: Floats, tangent: Floats, deltas: Floats, turns: Floats) -> Floats:
     """(len(deltas) + 1, 3) unit normals along an axis; maths.md 3.5."""
     out = np.empty((len(deltas) + 1, 3))
     out[0] = n
-    t = tangent
-    for i, delta in enumerate(deltas):
-        c, s = np.cos(delta), np.sin(delta)
-        new = c * n + s * t
-        t = c * t - s * n
-        n = new / np.sqrt(new @ new)
-        t = t - (t @ n) * n
-        t = t / np.sqrt(t @ t)
+    t, b = tangent, np.cross(n, tangent)
+    for i, (c, s) in enumerate(zip(np.cos(deltas), np.sin(deltas), strict=True)):
+        n, t = c * n + s * t, c * t - s * n
+        # Rounding makes the frame grow at random; the direction of n is what counts.
+        n /= np.sqrt(n @ n)
         out[i + 1] = n
         if i < len(turns):
-            t = np.cos(turns[i]) * t + np.sin(turns[i]) * np.cross(n, t)
+            c, s = np.cos(turns[i]), np.sin(turns[i])
+            t, b = c * t + s * b, c * b - s * t
     return out

@@ -177,9 +177,11 @@ def integrate(m: Floats, r: float, origin: Floats) -> Floats:
     x[(0,) * d] = origin
     for k in range(d):
         # In the layer of the directions up to k, the later ones at zero.
-        edges = r * lelieuvre_edges(m[layer(d, k, slice(None))], k)
-        start = x[layer(d, k, slice(0, 1))]
-        x[layer(d, k, slice(1, None))] = start + np.cumsum(edges, axis=k)
+        edges = lelieuvre_edges(m[layer(d, k, slice(None))], k)
+        edges *= r
+        ahead = x[layer(d, k, slice(1, None))]
+        np.cumsum(edges, axis=k, out=ahead)
+        ahead += x[layer(d, k, slice(0, 1))]
     return x
 
 
@@ -190,8 +192,10 @@ def layer(d: int, k: int, part: slice | int) -> tuple[slice | int, ...]:
 
 def lelieuvre_edges(m: Floats, axis: int) -> Floats:
     """m_k x m along a direction, one shorter in it."""
-    columns_first = np.moveaxis(m, -1, 0)
-    before = (slice(None),) * (axis + 1)
-    ahead = columns_first[(*before, slice(1, None))]
-    behind = columns_first[(*before, slice(None, -1))]
-    return np.moveaxis(cross(ahead, behind), 0, -1)
+    before = (slice(None),) * axis
+    a, b = m[(*before, slice(1, None))], m[(*before, slice(None, -1))]
+    out = np.empty(a.shape)
+    for c, (p, q) in enumerate(((1, 2), (2, 0), (0, 1))):
+        np.multiply(a[..., p], b[..., q], out=out[..., c])
+        out[..., c] -= a[..., q] * b[..., p]
+    return out
