@@ -6,12 +6,38 @@ eyes lies in the hull of the corners in which its edges meet them.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ddgfab.mesh import Floats
 from fabrication.linkage.capsules import Body, Piece, cylinder, hull
-from fabrication.linkspecs import LinkShape, PinShape, RingShape
+from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
 from fabrication.solids.linkframe import Eye, bar_corners, eyes_of, label_corners
+from fabrication.specs import Fitting, Link, Pin
+
+if TYPE_CHECKING:
+    from fabrication.linkage.links import Linkage
+
+
+def bodies(linkage: Linkage) -> tuple[Body, ...]:
+    """All parts of a linkage that move with it, in the order of its pieces.
+
+    Raises
+    ------
+    DetailError
+        A link is impossible: its bar does not meet its eyes.
+    """
+    items = {item.mark: item for stack in linkage.stacks for item in stack}
+    found = []
+    for piece in linkage.pieces:
+        if isinstance(piece, Link):
+            found.append(link_body(piece.mark, piece.bar, piece.hinges, piece.shape))
+        elif isinstance(piece, Pin | Fitting) and piece.hinge is not None:
+            at, shape = items[piece.mark], piece.shape
+            assert not isinstance(shape, CouponShape)
+            found.append(fitting_body(piece.mark, piece.hinge, shape, at.low, at.high))
+    return tuple(found)
 
 
 def link_body(mark: str, bar: int, hinges: tuple[int, int], shape: LinkShape) -> Body:

@@ -20,7 +20,7 @@ CORNERS: Final = ((0, 1, 2, 3), (1, 0, 3, 2), (2, 3, 0, 1), (3, 2, 1, 0))
 """Where those turns carry the start's upper and lower and the end's upper and lower point."""
 
 
-def linkage_key(shape: LinkageShape) -> Hashable:
+def linkage_key(shape: LinkageShape) -> tuple[Hashable, ...]:
     """What must agree exactly for two parts of linkages to be congruent."""
     if isinstance(shape, LinkShape):
         bores = sorted(map(key_of, shape.bores))
@@ -35,7 +35,14 @@ def linkage_key(shape: LinkageShape) -> Hashable:
     return _coupon_key(shape)
 
 
-def _coupon_key(shape: CouponShape) -> Hashable:
+def link_key_of(shape: LinkShape) -> Hashable:
+    """Equal for links that one part number serves, by rounding: a quick count of part numbers."""
+    start, end = key_of(shape.start), key_of(shape.end)
+    turned = ((start, end), (end, start), (-start, -end), (-end, -start))
+    return (*linkage_key(shape), key_of(shape.length), key_of(shape.twist), max(turned))
+
+
+def _coupon_key(shape: CouponShape) -> tuple[Hashable, ...]:
     sizes = map(key_of, (shape.pitch, shape.width, shape.thickness, *shape.bores))
     return ("coupon", *sizes, shape.labels)
 

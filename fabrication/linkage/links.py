@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 
+from ddgfab.errors import DetailError
 from ddgfab.linkages import Mechanism, Pose
 from ddgfab.mesh import Floats, Ints
 from fabrication.families import families
-from fabrication.linkage.bodies import fitting_body, link_body
-from fabrication.linkage.capsules import Body
+from fabrication.linkage.bodies import bodies
+from fabrication.linkage.capsules import Pieces
+from fabrication.linkage.choose import Prefer, check_links, rank_levels
+from fabrication.linkage.contacts_pairs import Rules
 from fabrication.linkage.coupon import coupon_shape, pin_for_test
 from fabrication.linkage.labels import label_for, short_number
 from fabrication.linkage.levels import even_levels
+from fabrication.linkage.motion import JOINT_CLEARANCE
+from fabrication.linkage.motion_proof import Search
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkage.shapes import Seat, heights_of, link_shapes, seats_of
-from fabrication.linkspecs import CouponShape, LinkShape, PinShape
+from fabrication.linkspecs import LinkShape, PinShape
 from fabrication.specs import Family, Fitting, Link, Piece, Pin, Placement, Role
 
 LINK_TOLERANCE: Final = 1e-6
 """Links are congruent within this [mm]: linkages with redundant bars allow no more."""
+
+MOST_TRIED: Final = 12
+"""How many choices of levels are tried before it is said that none keeps the parts apart."""
 
 ASIDE: Final = 20.0
 """How far [mm] below the linkage its coupon is shown."""
@@ -78,20 +87,6 @@ class Linkage:
         return placed
 
     @cached_property
-    def bodies(self) -> tuple[Body, ...]:
-        """All parts of the mechanism for collisions, by `fabrication.linkage.motion`."""
-        items = {item.mark: item for stack in self.stacks for item in stack}
-        found = []
-        for piece in self.pieces:
-            if isinstance(piece, Link):
-                found.append(link_body(piece.mark, piece.bar, piece.hinges, piece.shape))
-            elif isinstance(piece, Pin | Fitting) and piece.hinge is not None:
-                at, shape = items[piece.mark], piece.shape
-                assert not isinstance(shape, CouponShape)
-                found.append(fitting_body(piece.mark, piece.hinge, shape, at.low, at.high))
-        return tuple(found)
-
-    @cached_property
     def _seat(self) -> dict[str, Floats]:
         """Placement of pins and fittings in the frame of their hinge."""
         design = hinge_frames(self.mechanism, self.mechanism.pose(self.mechanism.design))
@@ -118,22 +113,81 @@ def hinge_frames(mechanism: Mechanism, pose: Pose) -> Floats:
 
 
 def detail_linkage(
-    mechanism: Mechanism, settings: LinkageSettings, levels: Ints | None = None
+    mechanism: Mechanism,
+    settings: LinkageSettings,
+    levels: Ints | Iterable[Ints] | None = None,
+    prefer: Prefer = "parts",
 ) -> Linkage:
-    """Parts of a mechanism, in its design pose.
+    """Parts of a mechanism, in its design pose, in which they do not touch.
 
     Parameters
     ----------
-    levels : (E, 2) of the bars' ends; chosen by `fabrication.linkage.levels` when not given
+    levels : (E, 2) of the bars' ends, taken as they are; or choices of them, or by default all that
+        `fabrication.linkage.levels.even_levels` gives, of which the best that fits is taken
+    prefer : what the best one is: "parts" for few part numbers, "range" for a large free range
 
     Raises
     ------
     DetailError
-        A link or pin that cannot be made: it is named, with the value, the limit and what helps;
-        or no levels keep the bars apart: their pins are named.
+        A link that cannot be made: it is named with its pins, the value, the limit and what helps;
+        or parts that touch in the design pose whatever the levels: they are named with their pins.
     """
-    if levels is None:
-        levels = next(even_levels(mechanism, settings.max_levels))
+    if isinstance(levels, np.ndarray):
+        shapes = link_shapes(mechanism, heights_of(levels, settings), settings)
+        check_links(mechanism, shapes)
+        return _kit(mechanism, settings, levels)
+    choices = even_levels(mechanism, settings.max_levels) if levels is None else levels
+    first: Touch | None = None
+    for choice in rank_levels(mechanism, settings, choices, prefer)[:MOST_TRIED]:
+        linkage = _kit(mechanism, settings, choice.levels)
+        touching = touching_parts(linkage)
+        if not touching:
+            return linkage
+        first = first or touching[0]
+    assert first is not None
+    raise _no_levels(mechanism, first)
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Two parts that are too near each other: their marks, gap and limit [mm]."""
+
+    marks: tuple[str, str]
+    gap: float
+    limit: float
+
+
+def touching_parts(linkage: Linkage) -> tuple[Touch, ...]:
+    """Parts too near each other in the design pose, worst first; then those on one pin whose
+    distance never changes."""
+    mechanism, solids = linkage.mechanism, bodies(linkage)
+    pieces = Pieces.build(mechanism, solids)
+    rules = Rules.build(mechanism, solids, linkage.settings.axial_gap, JOINT_CLEARANCE)
+    search = Search(mechanism, pieces, rules)
+    return tuple(
+        Touch((solids[pieces.body[k.a]].mark, solids[pieces.body[k.b]].mark), k.gap, k.limit)
+        for k in search.too_near(mechanism.design) + search.standing()
+    )
+
+
+def _no_levels(mechanism: Mechanism, touch: Touch) -> DetailError:
+    """What to say where no levels help: the parts and pins that meet."""
+
+    def words(mark: str) -> str:
+        if not mark.startswith("L"):
+            return mark
+        i, j = mechanism.bars[int(mark[2:])].tolist()
+        return f"{mark} (on pins H-{i:04d}, H-{j:04d})"
+
+    return DetailError(
+        f"no levels keep all parts apart in the design pose: {words(touch.marks[0])} and "
+        f"{words(touch.marks[1])} are {touch.gap:.3g} mm apart; limit {touch.limit:g} mm.\n"
+        f"Take another design pose, longer or slimmer bars, or smaller eyes"
+    )
+
+
+def _kit(mechanism: Mechanism, settings: LinkageSettings, levels: Ints) -> Linkage:
+    """All parts for given levels."""
     heights = heights_of(levels, settings)
     shapes = link_shapes(mechanism, heights, settings)
     pose = mechanism.pose(mechanism.design)
