@@ -21,6 +21,7 @@ from ddgfab.nets.axes import (
 )
 from ddgfab.nets.canal import canal_circles, canal_net
 from ddgfab.nets.canopy import canopy
+from ddgfab.nets.circles import Circles, Spheres
 from ddgfab.nets.circular import (
     angle_sum_defect,
     circular_residuals,
@@ -92,7 +93,11 @@ from ddgfab.nets.knet_evolve import evolve_spherical, spherical_fourth
 from ddgfab.nets.knet_kuen import kuen
 from ddgfab.nets.knet_quad import SkewParallelogram, skew_parallelogram
 from ddgfab.nets.knet_recover import KNetRecovery, knet_from_mesh, recover_knet
+from ddgfab.nets.koebe import KoebePolyhedron, koebe
+from ddgfab.nets.koebe_grids import catenoid_koebe, enneper_koebe, koebe_vertex
 from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
+from ddgfab.nets.minimal import MinimalNet, catenoid, enneper, helicoid, minimal_surface
+from ddgfab.nets.minimal_cells import scherk, schwarz_d, schwarz_p, schwarz_p_cell
 from ddgfab.nets.miquel import (
     evolve_circular,
     evolve_circular_by_angles,
@@ -110,14 +115,21 @@ from ddgfab.nets.moutard import (
 )
 from ddgfab.nets.registry import generate, kinds
 from ddgfab.nets.rotational import rotational_net
+from ddgfab.nets.sisothermic import SIsothermic, dual, dual_face
+from ddgfab.nets.sisothermic_labels import double_cover, label_edges, piece
 from ddgfab.nets.translation import translation_net
 
 __all__ = [
     "CauchyData",
+    "Circles",
     "CrabNet",
     "KNet",
     "KNetRecovery",
+    "KoebePolyhedron",
+    "MinimalNet",
+    "SIsothermic",
     "SkewParallelogram",
+    "Spheres",
     "amsler",
     "anet_from_moutard",
     "angle_balance",
@@ -131,6 +143,8 @@ __all__ = [
     "canal_circles",
     "canal_net",
     "canopy",
+    "catenoid",
+    "catenoid_koebe",
     "chi_of_phi",
     "circle_axes",
     "circular_residuals",
@@ -156,6 +170,11 @@ __all__ = [
     "cube_point",
     "cube_xi",
     "dini",
+    "double_cover",
+    "dual",
+    "dual_face",
+    "enneper",
+    "enneper_koebe",
     "evolve_3d",
     "evolve_by_angles",
     "evolve_by_cross_ratio",
@@ -173,6 +192,7 @@ __all__ = [
     "fourth_by_t",
     "generate",
     "grid_mesh",
+    "helicoid",
     "hirota_potential",
     "hirota_residual",
     "interior_angles",
@@ -181,9 +201,13 @@ __all__ = [
     "kinds",
     "knet",
     "knet_from_mesh",
+    "koebe",
+    "koebe_vertex",
     "kuen",
+    "label_edges",
     "lattice",
     "lelieuvre",
+    "minimal_surface",
     "miquel_point",
     "monge",
     "moulding_net",
@@ -193,6 +217,7 @@ __all__ = [
     "oriented_angle",
     "phi",
     "phi_inverse",
+    "piece",
     "planarity",
     "planarity_flagged",
     "product_defect",
@@ -204,6 +229,10 @@ __all__ = [
     "recover_knet",
     "rotational_net",
     "sample",
+    "scherk",
+    "schwarz_d",
+    "schwarz_p",
+    "schwarz_p_cell",
     "seen_from_opposite",
     "skew_parallelogram",
     "sphere_defect",

@@ -70,6 +70,14 @@ class Spheres:
     def __len__(self) -> int:
         return len(self.radii)
 
+    def great_circles(self) -> Circles:
+        """(3 N) circles of each sphere in planes across x, y and z."""
+        return Circles(
+            np.repeat(self.centres, 3, axis=0),
+            np.tile(np.eye(3), (len(self), 1)),
+            np.repeat(self.radii, 3),
+        )
+
     def scaled(self, factor: float) -> Spheres:
         """The spheres with all lengths times a positive factor."""
         return Spheres(self.centres * factor, self.radii * factor)

@@ -58,6 +58,8 @@ def centring(points: Floats) -> tuple[Floats, float]:
     total, best, left = np.eye(4), np.eye(4), np.inf
     for _ in range(MAX_BOOSTS):
         moved = points @ total.T
+        if not moved[:, 3].min() > 0:
+            break  # the boosts ran away: most points coincide
         t = moved[:, :3] / moved[:, 3:]
         mean = t.mean(axis=0)
         size = float(np.linalg.norm(mean))
@@ -72,7 +74,6 @@ def centring(points: Floats) -> tuple[Floats, float]:
         total = boost(velocity * min(1.0, FASTEST / speed)) @ total
     if left >= CENTRED_LOOSE:
         raise DegenerateError(
-            f"the contact points cannot be centred: after {MAX_BOOSTS} steps their mean is "
-            f"{left:.1e} off the centre of the sphere (limit {CENTRED_LOOSE:g})"
+            f"the contact points cannot be centred: their mean stays {left:.1e} off the centre of the sphere (limit {CENTRED_LOOSE:g})"
         )
     return best, left

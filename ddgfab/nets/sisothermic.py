@@ -80,6 +80,37 @@ class SIsothermic:
         """Sphere about each vertex."""
         return Spheres(self.mesh.vertices, self.radii)
 
+    @cached_property
+    def vertex_circles(self) -> Circles | None:
+        """Circle through the contact points round each vertex; None where they are not concyclic.
+
+        Koebe nets have them: the second packing. Vertices with two edges or none are left out.
+        """
+        mesh = self.mesh
+        away = np.concatenate([unit(mesh.edge_vectors), -unit(mesh.edge_vectors)])
+        at = mesh.edges.T.ravel()
+        vertices = np.flatnonzero(mesh.valences > 2)
+        axes = np.zeros((mesh.n_vertices, 3))
+        for valence in np.unique(mesh.valences[vertices]).tolist():
+            ids = np.flatnonzero(mesh.valences == valence)
+            edges = mesh.star_edges[mesh.star_start[ids, None] + np.arange(valence)]
+            ends = np.where(mesh.edges[edges, 0] == ids[:, None], edges, edges + mesh.n_edges)
+            axes[ids] = np.linalg.pinv(away[ends]).sum(axis=-1)
+        miss = np.abs(np.einsum("ex,ex->e", away, axes[at]) - 1.0)
+        if not miss[mesh.valences[at] > 2].max(initial=0.0) <= NET_INPUT or not len(vertices):
+            return None
+        axis, r = axes[vertices], self.radii[vertices]
+        square = np.einsum("vx,vx->v", axis, axis)
+        centres = mesh.vertices[vertices] + axis * (r / square)[:, None]
+        return Circles(centres, -unit(axis), r * np.sqrt(np.maximum(1.0 - 1.0 / square, 0.0)))
+
+    def curves(self) -> dict[str, Circles | Spheres]:
+        """All its circles and spheres by kind: "incircle", "vertex-circle" (Koebe), "sphere"."""
+        found: dict[str, Circles | Spheres] = {"incircle": self.incircles}
+        if self.vertex_circles is not None:
+            found["vertex-circle"] = self.vertex_circles
+        return found | {"sphere": self.spheres}
+
     def residuals(self) -> dict[str, float]:
         """Greatest defect of each defining condition, in parts of the local edge length.
 

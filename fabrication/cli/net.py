@@ -59,9 +59,9 @@ def net_command(
 
             mesh, report = exact_offset(mesh, offset)
             said = str(report)
+        counts = "" if circles is None else _write_circles(circles, mesh)
         target = output or Path(f"{kind}.obj")
         write_mesh(target, mesh)
-        counts = "" if circles is None else _write_circles(circles, mesh)
     typer.echo(f"{said}\n{mesh!r}\nwritten to {target} [mm]{counts}")
 
 
