@@ -241,7 +241,7 @@ def find_kit_project(source: str | Path | None, settings: Mapping[str, Any]) -> 
     parameters = {name: value for name, value in settings.items() if name not in SECTIONS}
     linkage = {**sections.get("linkage", {}), **parameters}
     if source is not None and Path(source).suffix.lower() == ".toml":
-        return load_kit_project(source, {**sections, "linkage": linkage})
+        return load_kit_project(source, {**sections, **({"linkage": linkage} if linkage else {})})
     if source is not None and Path(source).suffix.lower() in MESHES:
         linkage = {"file": str(source), **linkage}
         name = sections.get("project", {}).get("name", Path(source).stem)
