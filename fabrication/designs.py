@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, cast
 
 import numpy as np
 
@@ -17,10 +18,11 @@ from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.nets.generators import GENERATORS
 from ddgfab.nets.registry import generate
+from ddgfab.optimize import Goal, OptimizeResult, optimize
 from ddgfab.support import SupportKind, SupportStructure, support_structure
 from fabrication.detailing import Gridshell, detail
 from fabrication.families import families
-from fabrication.project import MESH, Project, load_project, project_for_mesh
+from fabrication.project import MESH, OptimizeSettings, Project, load_project, project_for_mesh
 from fabrication.schedules import schedules
 from fabrication.specs import Family
 from fabrication.table import Table
@@ -56,6 +58,7 @@ class NetInput:
 class Design:
     """A gridshell as numbers: net, measures, support structure, specs, families, schedules.
 
+    `optimized` says what [optimize] did to the net, whose result is `source.mesh`; None without.
     Made by `design`. Loads no CAD kernel until solids are asked for.
     """
 
@@ -66,6 +69,7 @@ class Design:
     gridshell: Gridshell
     families: tuple[Family, ...]
     seconds: Mapping[str, float]
+    optimized: OptimizeResult | None = None
 
     @property
     def mesh(self) -> Mesh:
@@ -172,6 +176,12 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     def stop(step: str) -> None:
         seconds[step] = time.perf_counter() - begin
 
+    optimized = None
+    if project.optimize.goal != "none":
+        start("optimise")
+        optimized = optimise(net.mesh, project.optimize, tell)
+        net = replace(net, mesh=optimized.mesh, notes=(*net.notes, *optimized.remarks))
+        stop("optimise")
     start("measure")
     measures = inspect(net.mesh)
     stop("measure")
@@ -184,7 +194,33 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     gridshell = detail(net.mesh, support, project)
     grouped = families(gridshell.pieces, project.checks.family_tolerance_mm)
     stop("detail")
-    return Design(project, net, measures, support, gridshell, grouped, seconds)
+    return Design(project, net, measures, support, gridshell, grouped, seconds, optimized)
+
+
+def optimise(
+    mesh: Mesh, settings: OptimizeSettings, progress: Progress | None = None
+) -> OptimizeResult:
+    """The mesh [mm] made what the settings ask for, with its report.
+
+    Raises
+    ------
+    OptimizeError
+        The goal is missed or costs too much movement; carries the best mesh as `result`.
+    InputError
+        A vertex to be fixed that the mesh does not have.
+    """
+    tell = progress or (lambda step, done, of: None)
+    held = settings.fix if isinstance(settings.fix, tuple) else ()
+    angle = settings.feature_angle_deg
+    return optimize(
+        mesh,
+        cast(Goal, settings.goal),
+        fixed=held,
+        boundary="fixed" if settings.fix == "boundary" else settings.boundary,
+        feature_angle=None if angle is None else math.radians(angle),
+        max_movement=settings.max_movement_mm,
+        progress=lambda stage, number, step: tell(f"optimise: {stage}", number, 0),
+    )
 
 
 def support_kind(project: Project) -> SupportKind:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ddgfab.errors import MeshError
+from ddgfab.errors import MeshError, OutputError
 from ddgfab.io.atomic import atomic_path, atomic_write
 from ddgfab.io.obj import parse_obj, write_obj
 from ddgfab.io.off import parse_off, write_off
@@ -22,6 +22,7 @@ __all__ = [
     "ReadResult",
     "atomic_path",
     "atomic_write",
+    "check_target",
     "read_mesh",
     "write_mesh",
     "write_obj",
@@ -116,10 +117,25 @@ def write_mesh(path: str | Path, mesh: Mesh) -> None:
     OutputError
         A file that cannot be written; nothing is left half written.
     """
-    write = _WRITERS.get(Path(path).suffix.lower())
-    if write is None:
+    _WRITERS[check_target(path)](path, mesh)
+
+
+def check_target(path: str | Path) -> str:
+    """The format of a mesh file to be written, its suffix in lower case; for long work ahead.
+
+    Raises
+    ------
+    MeshError
+        Another suffix than `write_mesh` knows.
+    OutputError
+        There is no folder for it.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in _WRITERS:
         raise MeshError(
             f"unknown kind of mesh file '{Path(path).suffix}'; known: {', '.join(_WRITERS)}",
             file=str(path),
         )
-    write(path, mesh)
+    if not Path(path).parent.is_dir():
+        raise OutputError(f"{path}: cannot be written: there is no folder {Path(path).parent}")
+    return suffix

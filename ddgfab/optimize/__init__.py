@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ddgfab.optimize.goals import Goal, optimize
 from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
 from ddgfab.optimize.quality import Quality, folded_faces, interior_angles, roughness
 from ddgfab.optimize.recipes import Boundary, RecipeOptions, circularize, conicalize, planarize
@@ -10,6 +11,7 @@ from ddgfab.optimize.solve import Solution, SolveOptions, Step, polish, solve
 
 __all__ = [
     "Boundary",
+    "Goal",
     "Layout",
     "OptimizeResult",
     "Problem",
@@ -24,6 +26,7 @@ __all__ = [
     "folded_faces",
     "interior_angles",
     "mean_edge",
+    "optimize",
     "planarize",
     "polish",
     "roughness",

@@ -15,8 +15,6 @@ from ddgfab.nets.registry import ParameterError, find_generator, kinds
 from fabrication.project.models import MESH, Net, Project
 from fabrication.standards import nearest
 
-LATER = {"optimize": "optimising the mesh is not available yet; remove the section"}
-
 
 def load_project(
     path: str | Path, changes: Mapping[str, Mapping[str, Any]] | None = None
@@ -82,9 +80,6 @@ def make_project(sections: Mapping[str, Any]) -> Project:
 
 def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project:
     name = None if file is None else str(file)
-    for section, why in LATER.items():
-        if section in values:
-            raise ProjectError(f"[{section}] {why}", file=name, line=find_line(text, (section,)))
     sections = sections_in(values, Project, name, text)
     try:
         if "net" not in sections:

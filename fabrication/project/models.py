@@ -6,11 +6,12 @@ A key's unit is in its name: _mm millimetres, _deg degrees, _percent percent.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from ddgfab.nets.registry import kinds
+from ddgfab.optimize import Boundary, Goal
 from ddgfab.support import SupportKind
 from ddgfab.tolerances import LEAN_LIMIT_DEG
 from fabrication.specs import Profile
@@ -20,6 +21,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Degrees = Annotated[float, Field(ge=0, le=180)]
+VertexIds = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(strict=False)]
 Format = Literal["step", "stl", "glb", "csv", "xlsx"]
 BoltSize = Literal["none", "M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
 
@@ -93,6 +95,31 @@ class Net(Section):
             raise ValueError('kind = "mesh" needs file = "..."')
         if self.kind != MESH and self.file is not None:
             raise ValueError(f'file is for kind = "mesh", not for "{self.kind}"')
+        return self
+
+
+class OptimizeSettings(Section):
+    """[optimize]: what the mesh is made before anything is built on it.
+
+    Attributes
+    ----------
+    goal : "planar", "circular", "conical"; "none" leaves the mesh as it is
+    fix : "none", "boundary", or ids of vertices that stay
+    boundary : what boundary vertices may do: "free", "glide" along the boundary, "fixed"
+    feature_angle_deg : edges sharper than this are features, which need not stay smooth
+    max_movement_mm : a vertex that would move further is an error
+    """
+
+    goal: Literal["none"] | Goal = "none"
+    fix: Literal["none", "boundary"] | VertexIds = "none"
+    boundary: Boundary = "free"
+    feature_angle_deg: Degrees | None = None
+    max_movement_mm: Positive | None = None
+
+    @model_validator(mode="after")
+    def _has_goal(self) -> OptimizeSettings:
+        if self.model_fields_set and "goal" not in self.model_fields_set:
+            raise ValueError(f"goal is missing; one of {', '.join(get_args(Goal))}")
         return self
 
 
@@ -261,6 +288,7 @@ class Project(Section):
 
     project: General = General()
     net: Net
+    optimize: OptimizeSettings = OptimizeSettings()
     support: Support = Support()
     beam: BeamSettings = BeamSettings()
     node: NodeSettings = NodeSettings()
