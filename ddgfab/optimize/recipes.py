@@ -64,6 +64,7 @@ class _Stiffness:
 _LADDER = (
     _Stiffness(0.05, 0.03),
     _Stiffness(0.10, 0.10),
+    _Stiffness(0.10, 0.50),
     _Stiffness(0.20, 0.30),
     _Stiffness(0.10, 1.0),
     _Stiffness(0.14, 1.0),
@@ -172,7 +173,7 @@ def _judge(
     return _Trial(mesh, residual, folded_faces(mesh, task.mesh), tuple(remarks), history)
 
 
-_ROUGH = 1e-5
+_ROUGH = 1e-4
 """Residual at which conjugate gradients hand over to exact steps."""
 _FINE = 1e-8
 """Residual at which factored steps do."""

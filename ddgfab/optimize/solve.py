@@ -73,6 +73,10 @@ class Solution:
 Progress = Callable[[int, Step], None]
 
 
+_GIVE_UP = 1e6
+"""Steps under a heavier damping are too short to be of use."""
+
+
 class _State:
     """Values and derivatives of all terms at a point, in scaled free unknowns."""
 
@@ -128,6 +132,11 @@ class _Stepper:
         if options.iterative and any(t.hard for t in problem.terms):
             self._metric = FairMetric.of(problem, options.damping)
 
+    @property
+    def damped(self) -> bool:
+        """Whether another damping makes another step."""
+        return self._metric is None or self._metric.diagonal is not None
+
     def system(self, state: _State, lines: csr_array, damping: float) -> StepSystem:
         """The system of a step from a state."""
         chosen = self._options
@@ -180,7 +189,7 @@ def solve(
         after, length, longest = _search(state, system, move, penalty, chosen.longest_step)
         if after is None:
             damping = max(100 * damping, 1e-4)
-            if damping > 1e6:
+            if damping > _GIVE_UP or not stepper.damped:
                 status = "converged" if state.violation <= chosen.tolerance else "stalled"
                 break
             continue

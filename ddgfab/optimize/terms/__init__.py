@@ -5,6 +5,21 @@ from __future__ import annotations
 from ddgfab.optimize.terms.angles import AngleSums, circularity_terms, conicality_terms
 from ddgfab.optimize.terms.base import LinearTerm, LocalTerm, VectorTerm, widened
 from ddgfab.optimize.terms.cones import Cones, cone_terms
+from ddgfab.optimize.terms.edges import (
+    Lengths,
+    SideDifferences,
+    edge_lengths,
+    opposite_sides,
+    panel_size,
+)
+from ddgfab.optimize.terms.nets import (
+    CornerLimits,
+    Crossings,
+    StarVolumes,
+    corner_angle_limits,
+    orthogonality,
+    plane_stars,
+)
 from ddgfab.optimize.terms.places import (
     OnCurve,
     OnSurface,
@@ -18,22 +33,33 @@ from ddgfab.optimize.terms.shape import closeness, fairness, laplacian_fairness,
 __all__ = [
     "AngleSums",
     "Cones",
+    "CornerLimits",
+    "Crossings",
+    "Lengths",
     "LinearTerm",
     "LocalTerm",
     "OnCurve",
     "OnSurface",
     "Planarity",
+    "SideDifferences",
+    "StarVolumes",
     "VectorTerm",
     "boundary_glide",
     "circularity_terms",
     "closeness",
     "cone_terms",
     "conicality_terms",
+    "corner_angle_limits",
+    "edge_lengths",
     "fairness",
     "laplacian_fairness",
     "on_curve",
     "on_surface",
+    "opposite_sides",
+    "orthogonality",
+    "panel_size",
     "planarity_terms",
+    "plane_stars",
     "strain",
     "widened",
 ]

@@ -42,11 +42,25 @@ def vector_areas(points: Floats) -> Floats:
     return np.asarray(0.5 * np.cross(centred, np.roll(centred, -1, axis=1)).sum(axis=1))
 
 
+def _modes(size: int) -> Floats:
+    """(k - 3, k) orthonormal heights of a regular polygon that no tilt makes: waves 2 to k - 2."""
+    turn = 2 * np.pi * np.arange(size) / size
+    rows = [f(k * turn) for k in range(2, (size + 1) // 2) for f in (np.cos, np.sin)]
+    if size % 2 == 0:
+        rows.append((-1.0) ** np.arange(size))
+    modes = np.array(rows)
+    return np.asarray(modes / np.linalg.norm(modes, axis=1, keepdims=True))
+
+
 def _bases(points: Floats) -> Floats:
-    """(n, k - 3, k) bases of the possible heights of the corners of (n, k, 3) polygons."""
+    """(n, k - 3, k) bases of the possible heights of the corners of (n, k, 3) polygons.
+
+    Those of a regular polygon, projected: unlike singular vectors they are the same everywhere.
+    """
     count, size = points.shape[:2]
+    modes = np.broadcast_to(_modes(size), (count, size - 3, size))
     if size == _QUAD:
-        return np.broadcast_to(np.array([[0.5, -0.5, 0.5, -0.5]]), (count, 1, 4))
+        return modes
     across = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
     area = vector_areas(points)
     normal = area / np.linalg.norm(area, axis=1, keepdims=True)
@@ -54,7 +68,8 @@ def _bases(points: Floats) -> Floats:
     reach = np.linalg.norm(across, axis=(1, 2))[:, None, None]
     ones = np.full((count, 1, size), size**-0.5)
     rows = np.concatenate([ones, across.transpose(0, 2, 1) / reach], axis=1)
-    return np.asarray(np.linalg.svd(rows, full_matrices=True)[2][:, 3:])
+    never = np.linalg.svd(rows, full_matrices=False)[2][:, :3]
+    return np.asarray(modes - modes @ never.transpose(0, 2, 1) @ never)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
