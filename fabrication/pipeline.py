@@ -11,8 +11,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+from ddgfab.errors import OutputError
+from ddgfab.optimize.report import comparison
 from fabrication.checks.assembly import check_assembly
 from fabrication.designs import Design, Progress
+from fabrication.export.deviation import write_deviation
 from fabrication.export.folder import OutputFolder, safe_name
 from fabrication.export.manifest import (
     MANIFEST,
@@ -151,6 +154,7 @@ class _Job:
         reading += [self.pool.submit(verify_parts, task) for task in tasks[len(tasks) // 3 :]]
         with self._timed("schedules"):
             self._write_schedules(parts)
+            self._write_deviation()
         with self._timed("waiting for the other processes"):
             found = self._collect(reading)
             extra = self._collect_assembly(assembly)
@@ -291,6 +295,16 @@ class _Job:
             rows = {name: table.rows for name, table in tables.items()}
             write_xlsx(folder / "schedule.xlsx", rows)
 
+    def _write_deviation(self) -> None:
+        """A picture of how far [optimize] moved the net, where it did."""
+        moved = self.design.optimized
+        if moved is None:
+            return
+        try:
+            write_deviation(self.staging / "deviation.png", moved.mesh, moved.movement)
+        except OutputError as error:
+            self.warnings.append(f"no deviation.png: {error}")
+
     def _draw(self, parts: Sequence[PartResult], failed: set[str]) -> Future[Any]:
         """Start model.glb and preview.png."""
         meshes = {part.number: part.mesh for part in parts}
@@ -334,6 +348,8 @@ class _Job:
             timings_s=self.seconds,
             extra_checks=extra,
         )
+        if design.optimized is not None:
+            manifest["optimize"] = comparison(design.optimized)
         manifest["problems"] = [problem.to_dict() for problem in problems]
         manifest["notes"] = [*design.source.notes, *design.gridshell.problems, *self.warnings]
         write_manifest(self.staging / MANIFEST, manifest)

@@ -74,6 +74,12 @@ def _report(plan: Design, result: JobResult, seconds: float) -> None:
     numbers = len({part["number"] for part in manifest["parts"]})
     checks = manifest["checks"]
     support = plan.support
+    if plan.optimized is not None:
+        moved = plan.optimized
+        typer.echo(
+            f"{moved.goal}: vertices moved {moved.movement_max:.1f} mm at most, "
+            f"{moved.movement_mean:.1f} mm on average (deviation.png)"
+        )
     typer.echo(repr(plan))
     typer.echo(
         f"node axes ({support.kind}): torsion max {support.torsion_deg_max:.1e}, mean "

@@ -85,7 +85,8 @@ def test_canopy_parameters_stand_in_net(tmp_path: Path) -> None:
 
 def test_every_kind_of_net_takes_its_parameters(tmp_path: Path) -> None:
     for kind in kinds():
-        parameter = find_generator(kind).parameters[0]
+        parameters = find_generator(kind).parameters
+        parameter = next(p for p in parameters if p.type in (int, float) and p.low <= 9 <= p.high)
         text = f'[net]\nkind = "{kind}"\n{parameter.name} = 9\n'
         assert load(tmp_path, text).net.parameters == {parameter.name: 9}
     conical = make_project({"net": {"kind": "conical", "panels_along": 5, "panels_across": 3}})
@@ -121,7 +122,9 @@ def test_generated_nets_take_a_scale_but_no_other_unit(tmp_path: Path) -> None:
         (NET + "[checks]\nflat_percent = 2\n", ["bend_percent must not be less"]),
         (NET + '[output]\nformats = ["step", "dxf"]\n', ["dxf", "'stl'"]),
         (NET + "[output]\njobs = 1.5\n", ["jobs", "integer"]),
-        (NET + "[optimize]\nplanarity_mm = 1\n", [":4:", "[optimize]", "not available yet"]),
+        (NET + '[optimize]\nboundary = "fixed"\n', ["[optimize]", "goal is missing", "planar"]),
+        (NET + '[optimize]\ngoal = "plannar"\n', [":5:", "[optimize] goal", "planar"]),
+        (NET + '[optimize]\ngoal = "planar"\nfix = [-1]\n', [":6:", "[optimize] fix"]),
         ("[project]\nscale = 2\nmedian_edge_mm = 5\n" + NET, ["median_edge_mm replaces scale"]),
         ('[project]\nunits = "cm"\n' + NET, [":2:", "'mm'"]),
         ('[project]\nname = "a"\n', ["needs [net]"]),
