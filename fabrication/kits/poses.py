@@ -2,39 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from itertools import combinations_with_replacement
 from typing import Final
 
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.checks.assembly import Clearances, check_assembly
+from fabrication.checks.assembly import Clash, examine_assembly
 from fabrication.kits.kit import Kit
+from fabrication.linkage.motion import JOINT_CLEARANCE
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.records import CHORD_MM
-from fabrication.specs import Check, TriangleMesh
+from fabrication.specs import Check, Role, TriangleMesh
 
-CLEARANCE: Final = "clearance"
-"""Name of the check of a piece that clears all others."""
-
-
-def clearances_of(settings: LinkageSettings) -> Clearances:
-    """Least gaps [mm] between roles; what is pressed onto a pin must not go into it, no more."""
-    axial, radial = settings.axial_gap, settings.clearance
-    return {
-        ("link", "link"): axial,
-        ("link", "cap"): axial,
-        ("link", "spacer"): axial,
-        ("spacer", "cap"): axial,
-        ("link", "pin"): radial,
-        ("spacer", "pin"): radial,
-    }
+MOVING: Final[tuple[Role, ...]] = ("link", "pin", "cap", "spacer")
+"""Roles of what moves; the coupon lies aside."""
 
 
 def check_poses(
     kit: Kit, meshes: Mapping[str, TriangleMesh], angles: Floats | None = None
 ) -> dict[str, list[Check]]:
-    """The clearance checks of every piece over several poses, by mark; see `check_assembly`.
+    """The clearance checks of every piece that moves over several poses, by mark.
+
+    A piece without faults has one Check "clearance" that passed; one with faults a failing Check
+    "clearance to MARK" for each neighbour that comes too near: value is the least gap [mm],
+    negative for the depth of a penetration, against the limit.
 
     The certificate of the motion is of the exact shapes between all poses; this is the independent
     look at the meshes that are written, at some.
@@ -46,27 +39,46 @@ def check_poses(
     """
     if angles is None:
         angles = np.array([kit.motion.low, kit.mechanism.design, kit.motion.high])
-    limits = clearances_of(kit.linkage.settings)
-    found: dict[str, list[Check]] = {}
+    settings = kit.linkage.settings
+    everywhere = dict.fromkeys(combinations_with_replacement(MOVING, 2), settings.axial_gap)
+    on_pins = _on_pins(kit)
+    worst: dict[tuple[str, str], Clash] = {}
     for angle in angles:
-        families = kit.placed(float(angle))
-        here = check_assembly(families, meshes, limits, tolerance=2 * CHORD_MM)
-        for mark, checks in here.items():
-            found.setdefault(mark, []).extend(checks)
-    return {mark: _worst(checks) for mark, checks in found.items()}
+        report = examine_assembly(
+            kit.placed(float(angle)), meshes, everywhere, tolerance=2 * CHORD_MM
+        )
+        for clash in report.clashes:
+            limit = clash.limit
+            if on_pins[clash.marks[0]] & on_pins[clash.marks[1]]:
+                limit = limit_on_pin(settings, clash.marks)
+            before = worst.get(clash.marks)
+            if clash.gap < limit - 2 * CHORD_MM and (before is None or clash.gap < before.gap):
+                worst[clash.marks] = Clash(clash.marks, clash.gap, limit)
+    checks: dict[str, list[Check]] = {}
+    for clash in worst.values():
+        for here, there in (clash.marks, clash.marks[::-1]):
+            checks.setdefault(here, []).append(
+                Check(f"clearance to {there}", False, clash.gap, clash.limit)
+            )
+    return {mark: checks.get(mark, [Check("clearance", True)]) for mark in on_pins}
 
 
-def _worst(checks: Sequence[Check]) -> list[Check]:
-    """One check a name, the one with the least value; a clean pose is not told beside a clash."""
-    worst: dict[str, Check] = {}
-    for check in checks:
-        before = worst.get(check.name)
-        if before is None or _value(check) < _value(before):
-            worst[check.name] = check
-    if any(not check.passed for check in worst.values()):
-        worst.pop(CLEARANCE, None)
-    return list(worst.values())
+def limit_on_pin(settings: LinkageSettings, marks: tuple[str, str]) -> float:
+    """Least gap [mm] of two pieces on one pin, by the letters of their marks.
+
+    Caps are pressed on; bars keep their eyes' distance at the pin, and elsewhere what the
+    certificate asks of links that share a hinge.
+    """
+    letters = {mark[0] for mark in marks}
+    if "H" in letters:
+        return 0.0 if "C" in letters else settings.clearance
+    return min(JOINT_CLEARANCE, settings.axial_gap)
 
 
-def _value(check: Check) -> float:
-    return float(check.value) if isinstance(check.value, int | float) else np.inf
+def _on_pins(kit: Kit) -> dict[str, frozenset[int]]:
+    """By mark, the hinges on whose pins a piece is."""
+    found: dict[str, set[int]] = {}
+    for hinge, stack in enumerate(kit.linkage.stacks):
+        for item in stack:
+            found.setdefault(item.mark, set()).add(hinge)
+    return {mark: frozenset(hinges) for mark, hinges in found.items()}
