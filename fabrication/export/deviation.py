@@ -20,6 +20,10 @@ COLOURS: Final = "viridis"
 """Scale of colours: even to the eye, also in print and to the colour-blind."""
 
 
+WHOLE_MM: Final = 100.0
+"""From this movement [mm] on the scale shows whole millimetres."""
+
+
 def write_deviation(
     path: Path, mesh: Mesh, movement: Floats, *, size: tuple[int, int] = SIZE
 ) -> None:
@@ -70,7 +74,7 @@ def _rendered(pyvista: Any, mesh: Mesh, movement: Floats, size: tuple[int, int])
             scalar_bar_args={
                 "color": "black",
                 "n_labels": 5,
-                "fmt": "%.3g",
+                "fmt": "%.0f" if top >= WHOLE_MM else "%.3g",
                 "title_font_size": 20,
                 "label_font_size": 20,
                 "vertical": True,

@@ -131,7 +131,7 @@ def test_generated_nets_take_a_scale_but_no_other_unit(tmp_path: Path) -> None:
         ('[net]\nkind = "mesh"\n', [":1:", "needs file"]),
         ('[net]\nkind = "canopy"\nfile = "a.obj"\n', ["file is for"]),
         ('[net]\nkind = "conicl"\nfile = "a.obj"\n', [":2:", "conicl", 'did you mean "conical"']),
-        ('[net]\nkind = "zzz"\n', [":2:", "known: mesh, canal"]),
+        ('[net]\nkind = "zzz"\n', [":2:", "known: mesh, ", "canal"]),
         ('[net]\nkind = "canal"\nturn_deg = 900\n', [":3:", "turn_deg = 900", "-180 to 180"]),
         ('[net]\nkind = "canal"\nturn_deg = "a"\n', [":3:", "turn_deg = 'a' must be a number"]),
         ('[net]\nkind = "canal"\npanels = 3\n', [":3:", "panels is unknown", "panels_a"]),
