@@ -22,16 +22,17 @@ from ddgfab.transforms import baecklund
 LARGE, SMALL = 1000, 100
 LIMIT_S, LIMIT_NORM = 10.0, 1e-11
 SIGMA, PSI = 1.0, 0.7
+COARSE = 300.0
 
 Vector = tuple[float, float, float]
 Grids = tuple[list[list[Vector]], list[list[Vector]]]
 
 
-def data(cells: int) -> tuple[list[Floats], list[Floats], float]:
-    """Uneven normal angles and turns; the whole net has the same size for any number of cells."""
+def data(cells: int, reach: float = 4.0) -> tuple[list[Floats], list[Floats], float]:
+    """Uneven normal angles and turns; reach is the sum of the angles of a direction."""
     rng = np.random.default_rng(0)
-    deltas = [4.0 / cells * rng.uniform(0.5, 1.5, cells) for _ in range(2)]
-    turns = [2.0 / cells * rng.uniform(-1.0, 1.0, cells - 1) for _ in range(2)]
+    deltas = [reach / cells * rng.uniform(0.5, 1.5, cells) for _ in range(2)]
+    turns = [reach / cells * rng.uniform(-0.5, 0.5, cells - 1) for _ in range(2)]
     return deltas, turns, 1.2
 
 
@@ -109,6 +110,10 @@ def median(task: Callable[[], object]) -> float:
     return statistics.median(times)
 
 
+def residuals(net: KNet) -> str:
+    return ", ".join(f"{key} {value:.0e}" for key, value in net.residuals().items())
+
+
 def verdict(value: float, limit: float) -> str:
     return "ok" if value < limit else "MISSED"
 
@@ -143,8 +148,10 @@ def main() -> None:
             f"{fast / LARGE**2 * 1e6:.3f}: {slow / SMALL**2 / fast * LARGE**2:.0f} times faster; "
             f"{SMALL} x {SMALL} by both ways: {apart:.1e} apart"
         )
-        residuals = ", ".join(f"{key} {value:.0e}" for key, value in net.residuals().items())
-        print(f"  residuals, relative to edges of about {4 / LARGE:g}: {residuals}")
+        print(f"  residuals, relative to edges of about {4 / LARGE:g}: {residuals(net)}")
+    coarse = knet(*data(LARGE, COARSE))
+    print(f"{LARGE} x {LARGE} coarse cells, edges of about {COARSE / LARGE:g}: {residuals(coarse)}")
+    print(f"  its transform: {residuals(baecklund(coarse, SIGMA, PSI))}")
     numpy = median(lambda: loop_numpy(small)) / SMALL**2
     ours_a_cell = median(lambda: knet(*data(LARGE))) / LARGE**2
     print(

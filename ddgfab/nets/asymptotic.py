@@ -20,6 +20,9 @@ from ddgfab.nets.knet_evolve import integrate, layer
 from ddgfab.nets.moutard import moutard_coefficients
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 
+PARALLEL_STAR = 1e-10
+"""Unit edges of a star that are all within this sine of a line have no tangent plane."""
+
 
 def star_edges(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Floats:
     """(n1, ..., nd, 2 d, 3) unit edges from every vertex, forward then backward for each direction.
@@ -100,9 +103,9 @@ def tangent_normals(points: ArrayLike, periodic: Sequence[bool] | None = None) -
     _, values, rows = np.linalg.svd(stars)
     second = values[..., 1]
     Place(name="vertex").refuse(
-        second <= RELATIVE_DEGENERATE * 1e2,
+        second <= PARALLEL_STAR,
         f"all edges are parallel, there is no tangent plane: second singular value, limit "
-        f"{RELATIVE_DEGENERATE * 1e2:g}",
+        f"{PARALLEL_STAR:g}",
         second,
     )
     normals = rows[..., 2, :]

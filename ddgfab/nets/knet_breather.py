@@ -62,6 +62,7 @@ def breather(
         "the two conjugate transforms coincide; imaginary part of their normals",
         np.sqrt(square),
     )
-    a = (2.0 * np.einsum("...i,...i->...", n, q) / square)[..., None]
+    # <n, q> = Im cos(sigma) everywhere; near poles of n' its sum of large products would be noise.
+    a = (2.0 * np.cos(sigma).imag / square)[..., None]
     points = line.points + r * a * np.cross(p, q)
     return of_normals(points, n - a * q, r, line.deltas)

@@ -14,12 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, Ints
 from ddgfab.nets.cells import Place, cross, finite
 from ddgfab.nets.knet import KNet, refuse_angles
-from ddgfab.nets.knet_evolve import layer, reflect_rule, refuse_not_unit
+from ddgfab.nets.knet_evolve import refuse_not_unit
 from ddgfab.nets.layers import stack_transforms
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
+
+GROWTH_LIMIT = 1e8
+"""Transforms whose rounding errors (1e-16) may have grown by more are refused."""
 
 
 def baecklund(net: KNet, sigma: float, psi: float) -> KNet:
@@ -41,7 +44,8 @@ def baecklund(net: KNet, sigma: float, psi: float) -> KNet:
     InputError
         sigma outside (0, pi), psi not finite, a net without edges in direction 0.
     DegenerateError
-        m' = m_k, that is n' = -n_0 or n' = n_k, somewhere: names the edge.
+        m' = m_k, that is n' = -n_0 or n' = n_k, before a vertex on all paths to it; rounding
+        errors that grow too much: names the vertex.
 
     Source: maths.md 3.10, psi as in 3.9.
     """
@@ -87,19 +91,60 @@ def baecklund_from(net: KNet, normal: ArrayLike) -> KNet:
             f"the first normal of the transform is parallel to that of the net: sine {sine:.3g}; "
             "sigma must be between 0 and pi"
         )
-    m = np.empty_like(net.m)
-    m[origin] = start
-    for k in range(net.d):
-        for i in range(1, net.shape[k]):
-            here, last = layer(net.d, k, i), layer(net.d, k, i - 1)
-
-            def cell(index: tuple[int, ...], k: int = k, i: int = i) -> tuple[int, ...]:
-                return (*index, i - 1, *(0,) * (net.d - k - 1))
-
-            place = Place(cell, f"transform, edge of direction {k} at vertex")
-            new = reflect_rule(net.m[last].T, net.m[here].T, m[last].T, place)
-            m[here] = new.T
+    m = _transported(net, start)
     return KNet(_aside(net, m), m, net.r, net.deltas)
+
+
+def _transported(net: KNet, start: Floats) -> Floats:
+    """Field m' of the transform, each point from the neighbour before that loses least.
+
+    All paths from the first point lead to the same m', but not with the same rounding: along one
+    edge m' goes to m + a (m' - m_k), an inversion of m', so that errors are multiplied by |a|.
+    Away from its soliton a transform tends to one that does not depend on the start: |a| < 1, and
+    what is left of the start is soon below rounding. A path that comes back from there has |a| > 1
+    and brings up noise; on 1000 x 1000 coarse cells, by way of the axes, all digits are lost. So
+    the growth of errors is followed front by front, and every point takes the direction in which it
+    is least.
+    """
+    d, sizes = net.d, net.shape
+    index = np.indices(sizes).reshape(d, -1)
+    strides = [int(np.prod(sizes[k + 1 :])) for k in range(d)]
+    old = net.m.reshape(-1, 3)
+    new, growth = np.empty_like(old), np.full(len(old), np.inf)
+    new[0], growth[0] = start, 1.0
+    level = index.sum(axis=0)
+    order = np.argsort(level, kind="stable")
+    for front in np.split(order, np.flatnonzero(np.diff(level[order])) + 1)[1:]:
+        for k in range(d):
+            here = front[index[k, front] > 0]
+            last = here - strides[k]
+            e = new[last] - old[here]
+            square = np.einsum("ij,ij->i", e, e)
+            usable = square > RELATIVE_DEGENERATE**2
+            square = np.where(usable, square, 1.0)
+            a = -2.0 * np.einsum("ij,ij->i", old[last], e) / square
+            grown = np.where(usable, np.maximum(1.0, np.abs(a) * growth[last]), np.inf)
+            better = grown < growth[here]
+            at = here[better]
+            new[at] = (old[last] + a[:, None] * e)[better]
+            growth[at] = grown[better]
+
+        def cell(which: tuple[int, ...], front: Ints = front) -> tuple[int, ...]:
+            return tuple(int(i) for i in index[:, front[which[0]]])
+
+        place = Place(cell, "transform, vertex")
+        place.refuse(
+            np.isinf(growth[front]),
+            "the normal of the transform before it is that of the net, or opposite (m' = m_k, that "
+            "is n' = -n_0 or n' = n_k): no quad determines it",
+        )
+        place.refuse(
+            growth[front] > GROWTH_LIMIT,
+            f"rounding errors have grown by more than {GROWTH_LIMIT:g}; begin with a segment "
+            "nearer to the soliton, or transform a smaller net; growth",
+            growth[front],
+        )
+    return new.reshape(net.m.shape)
 
 
 def _aside(net: KNet, m: Floats) -> Floats:
