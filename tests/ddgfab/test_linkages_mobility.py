@@ -1,0 +1,209 @@
+"""Mobility by rank, flexes, bad input of linkages."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ddgfab.errors import DegenerateError, InputError
+from ddgfab.linkages import Pose, bennett, crab_mechanism, cube, flex, knet_mechanism, mobility
+from ddgfab.linkages.lattice import Grid
+from ddgfab.linkages.mobility import linkage_jacobian
+from ddgfab.nets.knet import KNet, knet
+from ddgfab.nets.knet_crab import crab_net
+
+
+def a_net(*sizes: int, seed: int = 1) -> KNet:
+    rng = np.random.default_rng(seed)
+    deltas = [rng.uniform(0.3, 0.6, size) for size in sizes]
+    turns = [rng.uniform(-0.3, 0.3, size - 1) for size in sizes]
+    return knet(deltas, turns, rng.uniform(0.6, 2.2, len(sizes) - 1))
+
+
+def of_net(net: KNet) -> int:
+    pose = Pose(net.points.reshape(-1, 3), net.normals.reshape(-1, 3))
+    return mobility(Grid.build(net.shape).bars, pose)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "expected"),
+    [
+        ((1, 1), 1),
+        ((2, 1), 2),
+        ((2, 2), 3),
+        ((3, 2), 4),
+        ((3, 3), 5),
+        ((4, 3), 6),
+        ((1, 1, 1), 2),
+        ((2, 1, 1), 3),
+        ((1, 1, 1, 1), 3),
+    ],
+)
+def test_table(sizes: tuple[int, ...], expected: int) -> None:
+    """maths.md 4.3: m + n - 1; sum - 1 for boxes; the 12-bar cube 2, the 4-cube 3."""
+    assert expected == sum(sizes) - 1
+    assert of_net(a_net(*sizes)) == expected
+
+
+def test_mechanisms_report_it() -> None:
+    assert bennett(100.0, np.radians(40), beta=np.radians(70)).mobility == 1
+    twists = np.radians([30.0, 150.0, 90.0])
+    assert cube(np.sin(twists) * 90, twists, corners=(1.0, -1.0)).mobility == 2
+    assert knet_mechanism(a_net(3, 2)).mobility == 4
+
+
+def test_a_rigid_quad_has_none() -> None:
+    """Four bars whose ratios differ: a closed skew quad with normals that fit no mechanism."""
+    net = a_net(1, 1)
+    points, normals = net.points.reshape(-1, 3).copy(), net.normals.reshape(-1, 3)
+    points[3] += [0.2, 0.1, 0.3]
+    # Axes perpendicular to both bars at every hinge, so that the bars exist.
+    loop = [0, 2, 3, 1]
+    axes = normals.copy()
+    for k, hinge in enumerate(loop):
+        a, b = points[loop[k - 1]] - points[hinge], points[loop[(k + 1) % 4]] - points[hinge]
+        axes[hinge] = np.cross(a, b) / np.linalg.norm(np.cross(a, b))
+    assert mobility(Grid.build((2, 2)).bars, Pose(points, axes)) == 0
+
+
+def test_jacobian_by_differences() -> None:
+    net = a_net(2, 1)
+    pose = Pose(net.points.reshape(-1, 3), net.normals.reshape(-1, 3))
+    bars = Grid.build(net.shape).bars
+    size = np.linalg.norm(np.diff(pose.points[bars], axis=1)[:, 0], axis=1).mean()
+
+    def values(flat: np.ndarray) -> np.ndarray:
+        x, n = flat.reshape(2, -1, 3)
+        i, j = bars.T
+        e = x[j] - x[i]
+
+        def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+            return np.einsum("ei,ei->e", a, b)
+
+        return np.concatenate(
+            [dot(e, e) / 2, dot(n[i], n[j]), dot(e, n[i]), dot(e, n[j]), dot(n, n) / 2]
+        )
+
+    start = np.concatenate([pose.points.ravel() / size, pose.axes.ravel()])
+    jacobian = linkage_jacobian(bars, pose)
+    for k in range(len(start)):
+        step = np.zeros_like(start)
+        step[k] = 1e-6
+        slope = (values(start + step) - values(start - step)) / 2e-6
+        assert np.abs(slope - jacobian[:, k]).max() < 1e-8
+
+
+def test_flex_keeps_bars() -> None:
+    net = a_net(4, 3)
+    rng = np.random.default_rng(0)
+    other = flex(net, [rng.uniform(-0.3, 0.3, 3), rng.uniform(-0.3, 0.3, 2)], 0.4)
+    residuals = other.residuals()
+    assert max(residuals.values()) < 1e-11
+    for k in range(2):
+        assert np.array_equal(other.deltas[k], net.deltas[k])
+        before, after = (np.linalg.norm(np.diff(x.points, axis=k), axis=-1) for x in (net, other))
+        assert np.abs(before - after).max() < 1e-12
+    assert not np.allclose(other.points, net.points)
+    back = flex(other, [-np.asarray(a - b) for a, b in zip(turns(other), turns(net), strict=True)], -0.4)
+    assert np.abs(back.points - net.points).max() < 1e-11
+
+
+def turns(net: KNet) -> tuple[np.ndarray, ...]:
+    return net.cauchy().turns
+
+
+def test_flex_to_the_bundle() -> None:
+    """4.4: turns and corner at zero fold every sheet into one line of length sum of the edges."""
+    net = a_net(3, 2)
+    data = net.cauchy()
+    # A corner angle of exactly zero is the vacuum; the sheet is a line.
+    flat = flex(net, [-t for t in data.turns], -data.corner_angles)
+    line = flat.points.reshape(-1, 3) - flat.points.reshape(-1, 3).mean(axis=0)
+    spread = np.linalg.svd(line, compute_uv=False)
+    assert spread[1] < 1e-12 * spread[0]
+    assert np.ptp(line @ np.linalg.svd(line)[2][0]) == pytest.approx(
+        sum(np.sin(delta).sum() for delta in net.deltas)
+    )
+
+
+def test_flex_of_a_cube_and_bad_changes() -> None:
+    box = a_net(1, 2, 1)
+    moved = flex(box, [0.0, 0.1, 0.0], [0.2, -0.1])
+    assert max(moved.residuals().values()) < 1e-11
+    with pytest.raises(InputError, match="direction 1"):
+        flex(box, [0.0, np.zeros(3), 0.0], 0.0)
+    with pytest.raises(InputError, match="corner"):
+        flex(box, [0.0, 0.0, 0.0], np.zeros(3))
+    with pytest.raises(InputError, match="not finite"):
+        flex(box, [0.0, np.nan, 0.0], 0.0)
+    with pytest.raises(InputError, match="2 arrays"):
+        flex(box, [0.0, 0.0], 0.0)
+
+
+ALPHA, BETA = np.radians(40), np.radians(70)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"a": 100.0, "alpha": ALPHA, "b": 146.2, "beta": BETA}, "relative difference"),
+        ({"a": 0.0, "alpha": ALPHA, "beta": BETA}, "a = 0 mm"),
+        ({"a": 100.0, "alpha": ALPHA, "b": -1.0}, "b = -1 mm"),
+        ({"a": 100.0, "alpha": 0.0, "beta": BETA}, "alpha = 0 deg"),
+        ({"a": 100.0, "alpha": np.pi, "beta": BETA}, "planar"),
+        ({"a": 100.0, "alpha": ALPHA, "beta": 0.0}, "beta = 0 deg"),
+        ({"a": 100.0, "alpha": ALPHA, "beta": ALPHA}, "only folds"),
+        ({"a": 100.0, "alpha": ALPHA, "b": 160.0}, "too long"),
+        ({"a": 100.0, "alpha": ALPHA}, "needs b or beta"),
+        ({"a": np.nan, "alpha": ALPHA, "beta": BETA}, "positive length"),
+        ({"a": 100.0, "alpha": ALPHA, "beta": BETA, "driver": np.pi}, "180"),
+        ({"a": 100.0, "alpha": ALPHA, "beta": BETA, "driver": 7.0}, "between 0 and 360"),
+    ],
+)
+def test_bad_bennett(arguments: dict[str, float], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        bennett(**arguments)
+
+
+def test_ratio_limit_and_its_advice() -> None:
+    b = 100 * np.sin(BETA) / np.sin(ALPHA)
+    bennett(100.0, ALPHA, b=b * (1 + 5e-10), beta=BETA)
+    with pytest.raises(InputError, match=r"b = 146\.19022"):
+        bennett(100.0, ALPHA, b=b * (1 + 5e-9), beta=BETA)
+
+
+def test_b_alone_takes_the_acute_twist() -> None:
+    b = 100 * np.sin(BETA) / np.sin(ALPHA)
+    assert np.degrees(bennett(100.0, ALPHA, b=b).twists[2]) == pytest.approx(70)
+
+
+def test_bad_cubes() -> None:
+    twists = np.radians([30.0, 150.0, 90.0])
+    lengths = 100 * np.sin(twists)
+    with pytest.raises(InputError, match="twists 0 and 1"):
+        cube(100 * np.sin([0.5, 0.5, 1.0]), [0.5, 0.5, 1.0], corners=(1.0, -1.0))
+    with pytest.raises(InputError, match="relative difference"):
+        cube([lengths[0], lengths[1], lengths[2] + 1], twists, corners=(1.0, -1.0))
+    with pytest.raises(InputError, match="length 1"):
+        cube([lengths[0], 0.0, lengths[2]], twists, corners=(1.0, -1.0))
+    with pytest.raises(InputError, match="rates"):
+        cube(lengths, twists, corners=(1.0, -1.0), rates=(0.0, 0.0))
+    with pytest.raises(InputError, match="3 lengths"):
+        cube(lengths[:2], twists[:2], corners=(1.0, -1.0))
+
+
+def test_bad_nets() -> None:
+    net = a_net(3, 2)
+    with pytest.raises(InputError, match="anchor"):
+        knet_mechanism(net, anchor=(3, 0))
+    with pytest.raises(InputError, match="scale_mm"):
+        knet_mechanism(net, scale_mm=0.0)
+    with pytest.raises(InputError, match="3 directions"):
+        knet_mechanism(a_net(1, 1, 1))
+    with pytest.raises(InputError, match="'bent'"):
+        knet_mechanism(net, path="bent")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="three rings"):
+        crab_mechanism(crab_net(6, 0.5, 1.0, 2))
+    line = knet([np.full(2, 0.3), np.full(2, 0.3)], [np.zeros(1), np.zeros(1)], 0.0)
+    with pytest.raises(DegenerateError):
+        knet_mechanism(line)
