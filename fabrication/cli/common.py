@@ -66,6 +66,8 @@ def errors(debug: bool) -> Iterator[None]:
     before = signal.signal(signal.SIGTERM, stop)
     try:
         yield
+    except typer.Exit:  # a RuntimeError to Python
+        raise
     except DdgError as error:
         if debug:
             raise

@@ -1,0 +1,113 @@
+"""`ddgfab optimize` and [optimize]: files, reports, conflicts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from ddgfab.io import read_mesh, write_mesh
+from ddgfab.measures import planarity_percent
+from ddgfab.mesh import Mesh
+from ddgfab.nets.grid import grid_mesh
+from fabrication import design
+from fabrication.cli import app
+
+EDGE_MM = 1000.0
+
+
+def wavy(cells: int = 8, bend: float = 0.08) -> Mesh:
+    """A skew roof: edges across the principal directions, so that no quad is flat."""
+    u, v = np.meshgrid(np.arange(cells + 1.0), np.arange(cells + 1.0), indexing="ij")
+    return grid_mesh(EDGE_MM * np.stack([u, v, bend * u * v + 0.3 * np.sin(u)], axis=-1))
+
+
+@pytest.fixture
+def roof(tmp_path: Path) -> Path:
+    path = tmp_path / "roof.obj"
+    write_mesh(path, wavy())
+    return path
+
+
+def run(*words: object) -> tuple[int, str]:
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    return result.exit_code, result.output
+
+
+def test_planar_is_the_default_goal(roof: Path, tmp_path: Path) -> None:
+    target = tmp_path / "flat.obj"
+    code, said = run("optimize", roof, target, "--no-picture")
+    assert code == 0, said
+    mesh = read_mesh(target).mesh
+    assert planarity_percent(mesh).max() < 1e-7
+    report = json.loads((tmp_path / "flat.json").read_text())
+    moved = np.linalg.norm(mesh.vertices - read_mesh(roof).mesh.vertices, axis=1)
+    assert report["movement_max"] == pytest.approx(moved.max(), abs=1e-4)
+    assert report["before"]["measures"]["planarity_percent"]["greatest"] > 1
+    assert report["after"]["measures"]["planarity_percent"]["greatest"] < 1e-7
+    assert report["history"]
+    assert "planarity, max" in said
+    assert "furthest vertices" in said
+    assert not (tmp_path / "flat.png").exists()
+
+
+def test_picture(roof: Path, tmp_path: Path) -> None:
+    code, said = run("optimize", roof, tmp_path / "flat.off")
+    assert code == 0, said
+    assert "no picture" in said or (tmp_path / "flat.png").stat().st_size > 10_000
+
+
+def test_conflict_keeps_the_best_mesh_apart(roof: Path, tmp_path: Path) -> None:
+    target = tmp_path / "flat.obj"
+    code, said = run("optimize", roof, target, "--max-movement", "0.001")
+    assert code == 1
+    assert "limit is 0.001" in said
+    assert not target.exists()
+    assert not (tmp_path / "flat.json").exists()
+    assert planarity_percent(read_mesh(tmp_path / "flat.missed.obj").mesh).max() < 1e-7
+
+
+def test_impossible_boundary_names_faces(tmp_path: Path) -> None:
+    """One skew quad whose four corners are fixed cannot be flat."""
+    path = tmp_path / "quad.obj"
+    write_mesh(path, wavy(1, 0.3))
+    code, said = run("optimize", path, tmp_path / "out.obj", "--boundary", "fixed")
+    assert code == 1
+    assert "worst at" in said
+    assert "fixed" in said
+    assert not (tmp_path / "out.obj").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--goal", "round"], "[optimize] goal"),
+        (["--boundary", "loose"], "[optimize] boundary"),
+        (["--fix", "1,x"], "'x' is no vertex"),
+        (["--fix", "9999"], "9999"),
+        (["--max-movement", "-1"], "max_movement_mm"),
+        (["--set", "goall=planar"], "did you mean goal"),
+        (["--set", "goal"], "expected key=value"),
+    ],
+)
+def test_bad_options(roof: Path, tmp_path: Path, words: list[str], expected: str) -> None:
+    code, said = run("optimize", roof, tmp_path / "out.obj", *words)
+    assert code == 2, said
+    assert expected in said
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["roof.obj"]
+
+
+def test_bad_targets(roof: Path, tmp_path: Path) -> None:
+    assert "unknown kind of mesh file" in run("optimize", roof, tmp_path / "out.stp")[1]
+    assert "no folder" in run("optimize", roof, tmp_path / "none" / "out.obj")[1]
+
+
+def test_project_section(roof: Path) -> None:
+    plan = design(str(roof), optimize={"goal": "planar"}, panel={"kind": "none"})
+    assert plan.optimized is not None
+    assert planarity_percent(plan.mesh).max() < 1e-7
+    assert plan.support.torsion_free
+    assert design(str(roof), panel={"kind": "none"}).optimized is None
