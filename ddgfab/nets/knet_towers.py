@@ -25,7 +25,7 @@ TWIST_TEXT = "twist of every bar: the angle between the normals at its ends"
 @generator("crab", support="normals")
 def crab_tower(
     panels_around: Annotated[int, About("panels in a ring", 3, 2000)] = 16,
-    rings: Annotated[int, About("staggered rings of panels from base to top", 1, 1000)] = 9,
+    rings: Annotated[int, About("staggered rings of panels from base to top", 2, 1000)] = 9,
     bar_mm: Annotated[float, About(BAR_TEXT, 1e-3)] = 1200.0,
     twist_deg: Annotated[float, About(TWIST_TEXT, 0.1, 80)] = 14.0,
     slope_deg: Annotated[
@@ -63,7 +63,7 @@ def pseudosphere_tower(
     panels_around: Annotated[
         int, About("panels in a ring; every bar twists by 180 deg over it", 5, 2000)
     ] = 18,
-    rings: Annotated[int, About("staggered rings of panels from base to top", 1, 1000)] = 9,
+    rings: Annotated[int, About("staggered rings of panels from base to top", 2, 1000)] = 9,
     bar_mm: Annotated[float, About(BAR_TEXT, 1e-3)] = 1200.0,
     base_ring: Annotated[
         int, About("ring of nodes at the base, counted from the rim of the pseudosphere", 1, 1000)
@@ -87,8 +87,8 @@ def pseudosphere_tower(
 
 @generator("dini", support="normals")
 def dini_ramp(
-    panels_along: Annotated[int, About("panels of a row along the spiral", 1, 4000)] = 26,
-    rows: Annotated[int, About("staggered rows of panels across it", 1, 1000)] = 9,
+    panels_along: Annotated[int, About("panels of a row along the spiral", 2, 4000)] = 26,
+    rows: Annotated[int, About("staggered rows of panels across it", 2, 1000)] = 9,
     bar_mm: Annotated[float, About("length of the longer bars, node to node", 1e-3)] = 1200.0,
     twist_deg: Annotated[float, About("twist of the longer bars", 0.1, 60)] = 10.0,
     pitch_deg: Annotated[
@@ -129,8 +129,8 @@ def dini_ramp(
 
 @generator("breather", support="normals")
 def breather_sheet(
-    panels_along: Annotated[int, About("panels of a row, along the waves", 1, 4000)] = 11,
-    rows: Annotated[int, About("staggered rows of panels across them", 1, 1000)] = 19,
+    panels_along: Annotated[int, About("panels of a row, along the waves", 2, 4000)] = 11,
+    rows: Annotated[int, About("staggered rows of panels across them", 2, 1000)] = 19,
     bar_mm: Annotated[float, About(BAR_TEXT, 1e-3)] = 1200.0,
     twist_deg: Annotated[float, About(TWIST_TEXT, 0.1, 60)] = 9.0,
     waves: Annotated[float, About("waves in a turn about the axis", 0.05, 0.99)] = 0.8,
@@ -163,8 +163,8 @@ def breather_sheet(
 
 @generator("kuen", support="normals")
 def kuen_tower(
-    panels_along: Annotated[int, About("panels of a row, round the axis", 1, 4000)] = 16,
-    rows: Annotated[int, About("staggered rows of panels from bottom to top", 1, 1000)] = 17,
+    panels_along: Annotated[int, About("panels of a row, round the axis", 2, 4000)] = 16,
+    rows: Annotated[int, About("staggered rows of panels from bottom to top", 2, 1000)] = 17,
     bar_mm: Annotated[float, About(BAR_TEXT, 1e-3)] = 1200.0,
     twist_deg: Annotated[float, About(TWIST_TEXT, 0.1, 60)] = 9.0,
     first_row: Annotated[

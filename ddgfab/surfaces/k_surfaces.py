@@ -14,14 +14,11 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ddgfab.errors import DegenerateError, InputError
+from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.surfaces.sine_gordon import Solution, increasing, integrated
 
 Complex: TypeAlias = NDArray[np.complex128]
-
-REAL: Final = 1e-9
-"""Greatest imaginary part, relative to the size, that a surface made of conjugate ones may keep."""
 
 SERIES: Final = 1e-3
 """Where the power series of Amsler's angle hands over to the integrator; its terms of fifth order
@@ -86,14 +83,13 @@ def breather(u: ArrayLike, v: ArrayLike, tau: float, start: complex = 1.0) -> KS
     """
     if tau == 0.0 or not np.isfinite(tau):
         raise InputError(f"tau = {tau:g}; a number other than 0 is needed (kuen is the limit)")
-    grid = _grid(u, v)
-    points, normals = _line(grid)
-    _, first = _transform(grid, 0.5 * np.pi + 1j * tau, complex(start))
-    x, n = _permuted(points, normals, first, first.conj())
-    for name, array in (("points", x), ("normals", n)):
-        if np.abs(array.imag).max() > REAL * (1.0 + np.abs(array.real).max()):
-            raise DegenerateError(f"{name} of the breather are not real: tau = {tau:g} too small")
-    return KSurface(x.real, n.real)
+    grid, sigma = _grid(u, v), 0.5 * np.pi + 1j * tau
+    points, normals = (part.real for part in _line(grid))
+    _, transform = _transform(grid, sigma, complex(start))
+    p, q = transform.real, transform.imag
+    # Bianchi's formula for n' = p + i q and its conjugate is real; <n, q> = Im cos(sigma).
+    a = 2.0 * np.cos(sigma).imag / np.einsum("...i,...i->...", q, q)[..., None]
+    return KSurface(points + a * np.cross(p, q), normals - a * q)
 
 
 def kuen(u: ArrayLike, v: ArrayLike, shift: float = 0.0) -> KSurface:
@@ -278,10 +274,3 @@ def _transform(
     cos, sin = np.cos(psi)[..., None], np.sin(psi)[..., None]
     n = np.cos(sigma) * normals + np.sin(sigma) * (cos * t + sin * up)
     return points + np.cross(n, normals), n
-
-
-def _permuted(x: Complex, n: Complex, first: Complex, second: Complex) -> tuple[Complex, Complex]:
-    """Bianchi's fourth surface, by bilinear products; maths.md 3.11."""
-    less = np.einsum("...i,...i->...", n, first - second)
-    a = (less / (1.0 - np.einsum("...i,...i->...", first, second)))[..., None]
-    return x + a * np.cross(second, first), n + a * (second - first)
