@@ -19,6 +19,13 @@ from ddgfab.surfaces.k_surfaces import (
     pseudosphere,
     surface_of,
 )
+from ddgfab.surfaces.minimal import (
+    Weierstrass,
+    smooth_catenoid,
+    smooth_enneper,
+    smooth_scherk_tower,
+    smooth_schwarz_p,
+)
 from ddgfab.surfaces.sine_gordon import (
     baecklund_angle,
     breather_angle,
@@ -30,6 +37,7 @@ from ddgfab.surfaces.sine_gordon import (
 
 __all__ = [
     "KSurface",
+    "Weierstrass",
     "amsler",
     "amsler_angle",
     "baecklund_angle",
@@ -48,6 +56,10 @@ __all__ = [
     "pseudosphere",
     "pseudosphere_lines",
     "sine_gordon_defect",
+    "smooth_catenoid",
+    "smooth_enneper",
+    "smooth_scherk_tower",
+    "smooth_schwarz_p",
     "soliton",
     "solitons",
     "surface_of",

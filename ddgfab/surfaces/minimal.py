@@ -121,3 +121,12 @@ def smooth_scherk_tower() -> Weierstrass:
     periodic surface, cos x e^z = cos y.
     """
     return Weierstrass(lambda z: 4j / (1.0 - z**4), lambda z: z, np.ones_like)
+
+
+def smooth_schwarz_p() -> Weierstrass:
+    """Schwarz' P surface, f = 1 / sqrt(1 + 14 z^4 + z^8), g = z, near z = 0.
+
+    The branch points, z^4 = 4 sqrt(3) - 7, are the normals to the corners of a cube; the piece over
+    a side of the cube has |z| below 0.52. Its conjugate is Schwarz' D surface.
+    """
+    return Weierstrass(lambda z: 1.0 / np.sqrt(1.0 + 14.0 * z**4 + z**8), lambda z: z, np.ones_like)

@@ -157,7 +157,7 @@ def test_newton_takes_few_steps_and_ends_at_rounding() -> None:
 
 def test_boosts_are_lorentz_transformations_that_centre() -> None:
     rng = np.random.default_rng(2)
-    t = unit(rng.normal(size=(50, 3)) + [2.0, 0.0, 1.0])
+    t = unit(rng.normal(size=(50, 3)) + np.array([2.0, 0.0, 1.0]))
     cone = np.concatenate([t, np.ones((50, 1))], axis=1) * rng.uniform(0.5, 2.0, (50, 1))
     metric = np.diag([1.0, 1.0, 1.0, -1.0])
     matrix, left = centring(cone)

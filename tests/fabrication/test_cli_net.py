@@ -57,7 +57,7 @@ def test_offset(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "which kind of net? One of canal"),
+        ([], "which kind of net? One of "),
         (["conicl"], "did you mean conical"),
         (["conicl", "--list"], "did you mean conical"),
         (["canal", "--set", "panels"], "expected parameter=value"),
