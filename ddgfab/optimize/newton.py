@@ -51,8 +51,12 @@ _SUFFICIENT = 1e-4
 class NewtonOptions:
     """How the method runs; every field may be left as it is."""
 
-    compliance: tuple[float, ...] = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-4, 1e-4)
-    """eps of the stages; a stage with the eps of the one before corrects the multipliers."""
+    compliance: tuple[float, ...] = (1.0, 0.1, 1e-2, 1e-3, 1e-4)
+    """eps of the stages."""
+    corrections: int = 6
+    """Further stages at the last eps, each with corrected multipliers, until `near` is reached."""
+    near: float = 1e-5
+    """Residual of hard terms below which the projection takes over."""
     steps: int = 25
     """Newton steps in a stage."""
     decrease: float = 1e-3
@@ -176,7 +180,7 @@ def _stage(
         slope_of_merit = gradient + lines.T @ pull
         rows, size = lines.shape
         after, length, move = None, 0.0, np.zeros(size)
-        damping = damping / 10 if damping > _LEAST_DAMPING else 0.0
+        damping = damping / 3 if damping > _LEAST_DAMPING else 0.0
         while after is None and damping < _MOST_DAMPING:
             damped = hessian + (damping + _SHIFT) * eye_array(size)
             system = block_array([[damped, lines.T], [lines, -eps * eye_array(rows)]], format="csc")
@@ -187,7 +191,7 @@ def _stage(
                     point, move, (value, float(slope_of_merit @ move)), merit, options.longest_step
                 )
             if after is None:
-                damping = max(4 * damping, _LEAST_DAMPING)
+                damping = max(10 * damping, _LEAST_DAMPING)
         if after is None:
             break
         longest = length * float(np.abs(move).max())
@@ -227,10 +231,13 @@ def project(point: _Point, options: NewtonOptions, report: Callable[[Step], None
         lines = point.lines()
         square = csc_array(lines @ lines.T + _SHIFT * eye_array(lines.shape[0]))
         move = -(lines.T @ _factored(square)[0](point.values))
-        after = point.moved(move)
-        if not after.violation < point.violation:
+        total = float(point.values @ point.values)
+        after, length = _shortened(
+            point, move, (total, -2 * total), lambda at: float(at.values @ at.values), np.inf
+        )
+        if after is None:
             break
-        report(Step(after.objective, after.violation, float(np.abs(move).max()), 1.0))
+        report(Step(after.objective, after.violation, length * float(np.abs(move).max()), length))
         point = after
     return point
 
@@ -269,11 +276,12 @@ def newton(
         if progress is not None:
             progress(len(history) - 1, step)
 
-    before = 0.0
     for eps in chosen.compliance:
-        if eps == before:
-            force = force + point.values / eps
-        before = eps
+        point = _stage(point, force, eps, chosen, report)
+    for _ in range(chosen.corrections):
+        if point.violation <= chosen.near:
+            break
+        force = force + point.values / eps
         point = _stage(point, force, eps, chosen, report)
     point = project(point, chosen, report)
     met = point.violation <= chosen.tolerance
