@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -17,7 +18,7 @@ from ddgfab.io import read_mesh
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.nets.generators import GENERATORS
-from ddgfab.nets.registry import generate
+from ddgfab.nets.registry import find_generator, generate
 from ddgfab.optimize import Goal, OptimizeResult, optimize
 from ddgfab.support import SupportKind, SupportStructure, support_structure
 from fabrication.detailing import Gridshell, detail
@@ -46,7 +47,11 @@ SHORTEST_MEDIAN_MM: Final = 20.0
 
 @dataclass(frozen=True, eq=False)
 class NetInput:
-    """A net [mm] and where it came from: file and sha256 (None when generated), reader's notes."""
+    """A net [mm] and where it came from: file and sha256, reader's notes.
+
+    The file is that of the mesh, or of the combinatorics that a generated net starts from; None
+    where there is none.
+    """
 
     mesh: Mesh
     file: str | None
@@ -241,9 +246,12 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     DegenerateError
         Parameters of a generated net that fit their limits but not each other; names the cell.
     """
+    named: Path | None = None
     if mesh is None and project.net.kind != MESH:
-        folder = None if project.file is None else project.file.parent
+        folder = Path() if project.file is None else project.file.parent
         mesh = generate(project.net.kind, project.net.parameters, folder)
+        for name in find_generator(project.net.kind).files(project.net.parameters):
+            named = folder / project.net.parameters[name]
     path = project.mesh_path
     read = read_mesh(path) if mesh is None and path is not None else None
     if read is not None:
@@ -260,6 +268,9 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
             "(on the command line: --set project.units=m).",
             file=None if read is None else read.file,
         )
+    if named is not None:
+        digest = hashlib.sha256(named.read_bytes()).hexdigest()
+        return NetInput(mesh.scaled(factor), str(named), digest, _notes(project))
     if read is None:
         return NetInput(mesh.scaled(factor), None, None, _notes(project))
     return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes)
