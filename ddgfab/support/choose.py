@@ -34,7 +34,11 @@ _EXACT = {
 
 
 def support_structure(
-    mesh: Mesh, kind: SupportKind = "auto", *, lean_limit_deg: float = LEAN_LIMIT_DEG
+    mesh: Mesh,
+    kind: SupportKind = "auto",
+    *,
+    lean_limit_deg: float = LEAN_LIMIT_DEG,
+    axes: Floats | None = None,
 ) -> SupportStructure:
     """Node axes on a mesh, vertices fixed; torsion-free except for the kind "normals".
 
@@ -52,11 +56,13 @@ def support_structure(
     ----------
     lean_limit_deg : structures that lean by more are passed over by "auto" where another leans
         less; the caller judges what comes back (`SupportStructure.leaning`)
+    axes : (V, 3) axes that were found together with the mesh (`ddgfab.optimize.torsion_free`).
+        "auto" takes them, as kind "given", if they are torsion-free within the lean limit
 
     Raises
     ------
     SupportError
-        An unknown kind; a kind that the net does not allow, with the defect; a triangle mesh
+        An unknown kind; axes of the wrong shape; a kind that the net does not allow, with the defect; a triangle mesh
         (Prop. 5.2); no torsion-free axes; axes that lie in the surface (`LEAN_UPRIGHT_DEG`), as
         on nets along asymptotic lines.
     """
@@ -64,6 +70,10 @@ def support_structure(
         raise SupportError(
             f'unknown support kind "{kind}"; one of {", ".join(get_args(SupportKind))}'
         )
+    if kind == "auto" and axes is not None:
+        given = SupportStructure.of(mesh, axes, "given")
+        if given.torsion_free and given.lean_deg_max <= lean_limit_deg:
+            return given
     if kind == "normals":
         return SupportStructure.of(mesh, surface_normals(mesh), kind)
     if kind == "central":
