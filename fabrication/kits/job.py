@@ -250,7 +250,7 @@ class _KitJob:
             timings_s=self.seconds,
             extra_checks=extra,
         )
-        manifest["notes"] = [*kit.linkage.notes, *warnings]
+        manifest["notes"] = [*kit.notes, *warnings]
         return manifest
 
     def _part_records(

@@ -19,9 +19,9 @@ from fabrication.kits.models import KitProject, kit_kinds, load_kit_project, mak
 from fabrication.kits.plates import Plate, Printed
 from fabrication.kits.printing import laid_out
 from fabrication.kits.schedules import kit_schedules
-from fabrication.linkage.bodies import bodies
-from fabrication.linkage.links import Linkage, detail_linkage
-from fabrication.linkage.motion import Contact, FreeMotion, free_motion
+from fabrication.kits.widen import Moved, moved, widened
+from fabrication.linkage.links import Linkage
+from fabrication.linkage.motion import Contact, FreeMotion
 from fabrication.records import CHORD_MM
 from fabrication.schedules import mass_kg
 from fabrication.solids import mesh_of
@@ -41,15 +41,13 @@ class Kit:
     Attributes
     ----------
     mechanism : hinges and bars, and their kinematics
-    linkage : pieces, part numbers, levels along the hinges
-    motion : the certified free range of the driving angle, and what ends it
+    moved : the linkage in parts with its certified free motion, and what was tried to widen it
     printed, plates : what is printed, and what stands where on the print plates
     """
 
     project: KitProject
     mechanism: Mechanism
-    linkage: Linkage
-    motion: FreeMotion
+    moved: Moved
     printed: Sequence[Printed]
     plates: tuple[Plate, ...]
     seconds: Mapping[str, float]
@@ -65,6 +63,21 @@ class Kit:
             f"Kit({self.name}: {self.mechanism.n_bars} bars on {self.mechanism.n_hinges} hinges, "
             f"{len(self.linkage.families)} part numbers, free {low:.1f} to {high:.1f} deg)"
         )
+
+    @property
+    def linkage(self) -> Linkage:
+        """Pieces, part numbers, levels along the hinges."""
+        return self.moved.linkage
+
+    @property
+    def motion(self) -> FreeMotion:
+        """The certified free range of the driving angle, and what ends it."""
+        return self.moved.motion
+
+    @property
+    def notes(self) -> list[str]:
+        """What a maker has to hear."""
+        return [*self.linkage.notes, *self.moved.tried]
 
     @property
     def families(self) -> tuple[Family, ...]:
@@ -111,10 +124,12 @@ class Kit:
         return words
 
     @property
-    def _dead(self) -> tuple[tuple[float, str], ...]:
-        """Dead points within the mechanism's limits."""
-        low, high = self.mechanism.limits
-        return tuple((t, what) for t, what in self.mechanism.dead_points if low <= t <= high)
+    def _dead(self) -> list[tuple[float, str]]:
+        """The dead points next to the free range on either side."""
+        known = sorted(self.mechanism.dead_points)
+        below = [point for point in known if point[0] <= self.mechanism.design]
+        above = [point for point in known if point[0] > self.mechanism.design]
+        return below[-1:] + above[:1]
 
     def facts(self) -> dict[str, Any]:
         """Mechanism and motion as plain values, for the manifest."""
@@ -268,20 +283,18 @@ def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
     begin = time.perf_counter()
     mechanism = project.mechanism()
     lap("mechanism", begin)
-    tell("parts as numbers", 0, 0)
+    tell("parts and free motion", 0, 0)
     begin = time.perf_counter()
-    linkage = detail_linkage(mechanism, project.part_settings())
-    lap("detail", begin)
+    find = widened if project.motion.maximize_range else moved
+    found = find(mechanism, project.part_settings())
+    lap("parts and free motion", begin)
     tell("print plates", 0, 0)
     begin = time.perf_counter()
-    meshes = {f.number: mesh_of(f.shape, CHORD_MM) for f in linkage.families}
-    printed, filled = laid_out(linkage.families, meshes, project.printer.bed())
+    families = found.linkage.families
+    meshes = {f.number: mesh_of(f.shape, CHORD_MM) for f in families}
+    printed, filled = laid_out(families, meshes, project.printer.bed())
     lap("print plates", begin)
-    tell("free motion", 0, 0)
-    begin = time.perf_counter()
-    motion = free_motion(mechanism, bodies(linkage), linkage.settings.axial_gap)
-    lap("free motion", begin)
-    return Kit(project, mechanism, linkage, motion, printed, filled, seconds)
+    return Kit(project, mechanism, found, printed, filled, seconds)
 
 
 def touch_words(contact: Contact) -> str:

@@ -118,13 +118,13 @@ class KitOutput(Section):
     Attributes
     ----------
     formats : files to write; manifest and preview are always written
-    jobs : processes; 0 = as many as there are cores
+    jobs : processes; 0 = as many as there are cores. Kits have few part numbers: one is soonest
     step_schema : "AP214" opens almost everywhere, "AP242" is newer
     author, organisation : for the STEP headers
     """
 
     formats: tuple[Format, ...] = Field(default=FORMATS, strict=False)
-    jobs: Annotated[int, Field(ge=0, le=256)] = 0
+    jobs: Annotated[int, Field(ge=0, le=256)] = 1
     step_schema: Literal["AP214", "AP242"] = "AP214"
     author: str = ""
     organisation: str = ""

@@ -19,8 +19,9 @@ from fabrication.kits.animation import write_animation
 from fabrication.kits.kit import Kit
 from fabrication.kits.page import Group, Moving, MovingScene, Page, Touch
 from fabrication.linkage.motion import Contact
+from fabrication.linkspecs import LinkShape
 from fabrication.solids import mesh_of
-from fabrication.specs import Family, Instance, LinkShape, TriangleMesh
+from fabrication.specs import Family, Instance, TriangleMesh
 from fabrication.table import Table
 
 SEEN_CHORD_MM: Final = 0.2
@@ -171,7 +172,7 @@ def report_page(kit: Kit, tables: Mapping[str, Table], problems: Sequence[str]) 
         title=kit.name,
         lead=kit.summary(),
         facts=kit.motion_words(),
-        notes=kit.linkage.notes,
+        notes=kit.notes,
         problems=[f"FAILED {problem}" for problem in problems],
         tables={HEADINGS[name]: table for name, table in tables.items()},
     )

@@ -13,7 +13,8 @@ from fabrication.export.step import COLOURS
 from fabrication.export.threemf import Body3MF, Item3MF, threemf_bytes
 from fabrication.kits.plates import Bed, Plate, Printed, plates
 from fabrication.kits.schedules import is_printed
-from fabrication.specs import Family, RingShape, TriangleMesh
+from fabrication.linkspecs import RingShape
+from fabrication.specs import Family, TriangleMesh
 
 UPSIDE_DOWN: Final[Floats] = np.diag([1.0, -1.0, -1.0, 1.0])
 """A half turn about x."""

@@ -15,7 +15,8 @@ import numpy as np
 from ddgfab.linkages.mechanism import Mechanism
 from ddgfab.mesh import Floats
 from fabrication.linkage.links import Linkage
-from fabrication.specs import CouponShape, Family, Link, LinkShape, Pin, PinShape, RingShape
+from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
+from fabrication.specs import Family, Fitting, Link, Pin
 from fabrication.table import Table
 
 Row: TypeAlias = dict[str, Any]
@@ -49,7 +50,7 @@ def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
     for family in linkage.families:
         own = [pieces[instance.mark] for instance in family.instances]
         between = [f"{p.hinges[0]}>{p.hinges[1]}" for p in own if isinstance(p, Link)]
-        hinges = [str(p.hinge) for p in own if not isinstance(p, Link) and p.hinge is not None]
+        hinges = [str(p.hinge) for p in own if isinstance(p, Pin | Fitting) and p.hinge is not None]
         rows.append(
             {
                 "number": family.number,
