@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -56,6 +56,10 @@ class Tasks:
             np.tile(half, 2),
             *(np.tile(v, 2) for v in (self.cell, self.a, self.b)),
         )
+
+
+Seen: TypeAlias = tuple[Tasks, Floats, Floats]
+"""Tasks whose distances were found, the distances and their limits [mm]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,11 +160,12 @@ class Search:
         frames, rates = self.mechanism.moving_frames(middle)
         tasks = self._tasks(middle, half, frames, rates, pull)
         stop, stopped, work = float(edges[-1]), None, 0
+        seen: list[Seen] = []
         while len(tasks.t):
             ahead = []
             for begin in range(0, len(tasks.t), CHUNK):
                 part = tasks.take(np.arange(begin, min(begin + CHUNK, len(tasks.t))))
-                sure, short = self._examine(part, pull, nearest)
+                sure, short = self._examine(part, pull, seen)
                 work += len(part.t)
                 for k in np.flatnonzero(short):
                     if way * part.t[k] < way * stop:
@@ -179,6 +184,9 @@ class Search:
             tasks = tasks.take(np.flatnonzero(way * (tasks.t - way * tasks.half) < way * stop))
         # A pair found too near at a middle leaves the half before it to be proven: that was done
         # above, for its halves before `stop` stay among the tasks until proven or stopped earlier.
+        for part, gap, needed in seen:
+            within = np.flatnonzero((way * part.t <= way * stop) & (gap >= needed))
+            self._remember(part.take(within), gap[within], needed[within], nearest)
         if stopped is None:
             return stop, (), work, bounds.proven
         where = min(way * (stop + way * 4 * RESOLUTION), way * self._end(way)) * way
@@ -223,10 +231,11 @@ class Search:
             out.append((np.full(len(a), middle[k]), np.full(len(a), half[k]), np.full(len(a), k), a, b))
         return Tasks(*(np.concatenate(v) for v in zip(*out, strict=True)))
 
-    def _examine(
-        self, tasks: Tasks, pull: Floats, nearest: dict[tuple[int, int], Near]
-    ) -> tuple[Ints, Ints]:
-        """Which tasks are proven, and which pairs are too near at the middles."""
+    def _examine(self, tasks: Tasks, pull: Floats, seen: list[Seen]) -> tuple[Ints, Ints]:
+        """Which tasks are proven, and which pairs are too near at the middles.
+
+        Distances that had to be found are added to `seen`.
+        """
         pairs, moving = self._states(tasks, pull)
         needed = self.rules.needed(self.pieces, tasks.a, tasks.b)
         _, way = segment_gaps(self.pieces, pairs)
@@ -236,10 +245,11 @@ class Search:
         if len(rest):
             part = pairs.take(rest)
             found = gaps(self.pieces, part)
+            rest_tasks = tasks.take(rest)
             fine = margin(self.pieces, part, moving.take(rest), found.normal)
             sure[rest] = fine >= needed[rest]
             short[rest] = found.gap < needed[rest]
-            self._remember(tasks.take(rest), found.gap, needed[rest], nearest)
+            seen.append((rest_tasks, found.gap, needed[rest]))
         return sure, short
 
     def _states(self, tasks: Tasks, pull: Floats) -> tuple[Placed, Moving]:
@@ -263,15 +273,14 @@ class Search:
     def _remember(
         self, tasks: Tasks, gap: Floats, needed: Floats, nearest: dict[tuple[int, int], Near]
     ) -> None:
-        """Keep where each pair of bodies came nearest to its limit and still kept it."""
+        """Keep where each pair of bodies came nearest to its limit."""
         body = self.pieces.body
         slack = gap - needed
         for k in np.argsort(slack, kind="stable"):
-            if slack[k] < 0:
-                continue
             key = (int(body[tasks.a[k]]), int(body[tasks.b[k]]))
             have = nearest.get(key)
             if have is None or slack[k] < have.gap - have.limit:
                 nearest[key] = Near(
-                    int(tasks.a[k]), int(tasks.b[k]), float(tasks.t[k]), float(gap[k]), float(needed[k])
+                    int(tasks.a[k]), int(tasks.b[k]), float(tasks.t[k]), float(gap[k]),
+                    float(needed[k]),
                 )
