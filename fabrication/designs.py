@@ -278,11 +278,10 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
 
 def _notes(project: Project) -> tuple[str, ...]:
     """What should be known of a generated net."""
-    kind = project.net.kind
-    if support_kind(project) != "normals":
+    if support_kind(project) != "normals" or "kind" in project.support.model_fields_set:
         return ()
     return (
-        f'[net] kind = "{kind}" follows asymptotic lines: no upright axes are free of torsion, so '
+        f'[net] kind = "{project.net.kind}" follows asymptotic lines: no upright axes are free of torsion, so '
         "node axes are the surface normals and every beam twists between its ends ([checks] "
         "torsion_deg says how far it may)",
     )

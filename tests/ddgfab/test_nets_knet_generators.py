@@ -1,4 +1,4 @@
-"""K-nets by kind: equal bars and twists, tangent planes, closed forms, buildable angles, bad input."""
+"""K-nets by kind: equal bars and twists, tangent planes, closed forms, angles, bad input."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_grids_are_recovered(kind: str) -> None:
 def test_defaults_can_be_built(kind: str) -> None:
     """Neighbouring arms at least 25 deg apart everywhere, bars of 0.5 to 2 m."""
     mesh = generate(kind)
-    assert 25.0 < np.degrees(mesh.corner_angles.min())
+    assert np.degrees(mesh.corner_angles.min()) > 25.0
     assert np.degrees(mesh.corner_angles.max()) < 155.0
     assert mesh.edge_lengths.min() > 500.0
     assert mesh.edge_lengths.max() < 2000.0
@@ -139,8 +139,8 @@ def test_sheets() -> None:
         band_mesh(flat, (0, 1), (0, 10))
     down = facing(band, [0.0, 0.0, -1.0])
     assert down.face_normals[:, 2].max() < 0 < facing(down, [0.0, 0.0, 1.0]).face_normals[0, 2]
-    tube = ring_mesh(np.ones(3), np.arange(3.0), 5)
-    assert (tube.n_faces, len(tube.boundary_loops)) == (5, 2)
+    tube = ring_mesh(np.ones(4), np.arange(4.0), 5)
+    assert (tube.n_faces, len(tube.boundary_loops)) == (10, 2)
     turned = levelled(Mesh.build(flat.reshape(-1, 3)[:, [2, 0, 1]] * [1, 1, 3], [[0, 6, 7, 1]]))
     assert np.abs(turned.vertices[:, 2]).max() < 1e-12
     assert np.ptp(turned.vertices[:, 0]) > np.ptp(turned.vertices[:, 1])
@@ -155,5 +155,5 @@ def test_bad_input() -> None:
         generate("crab", {"panels_around": 6, "slope_deg": 90.0, "twist_deg": 20.0})
     with pytest.raises(DegenerateError, match=r"ring \d+ has radius .* cone point"):
         generate("crab", {"panels_around": 6, "slope_deg": 20.0, "twist_deg": 20.0})
-    with pytest.raises(ParameterError, match="panels_along = 2.5 must be a whole number"):
+    with pytest.raises(ParameterError, match=r"panels_along = 2\.5 must be a whole number"):
         generate("amsler", {"panels_along": 2.5})
