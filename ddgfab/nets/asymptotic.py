@@ -51,7 +51,7 @@ def star_edges(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Flo
         lengths, rows = np.moveaxis(length, k, 0), np.moveaxis(edges, k, 0)
         if not closed[k]:
             lengths, rows = lengths[:-1], rows[:-1]
-        scale = float(np.abs(x).max()) if x.size else 0.0
+        scale = float(np.abs(x).max())
 
         def cell(index: tuple[int, ...], k: int = k) -> tuple[int, ...]:
             return (*index[1 : k + 1], index[0], *index[k + 1 :])
@@ -82,8 +82,7 @@ def star_flatness(points: ArrayLike, periodic: Sequence[bool] | None = None) -> 
 
     Source: maths.md 3.1.
     """
-    values = np.asarray(np.linalg.svd(star_edges(points, periodic), compute_uv=False))
-    return values[..., 2] if values.shape[-1] > 2 else np.zeros(values.shape[:-1])
+    return np.asarray(np.linalg.svd(star_edges(points, periodic), compute_uv=False)[..., 2])
 
 
 def tangent_normals(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Floats:

@@ -2,7 +2,7 @@
 
 Ring k has its points and normals at the azimuths (2 s + k) pi / N; points of neighbouring rings
 half a step apart are joined, by edges that all have one length and, up to hand, one twist.
-Source: maths.md 3.13; Wunderlich 1951 (nets that hang).
+Source: maths.md 3.13; Wunderlich 1951.
 """
 
 from __future__ import annotations

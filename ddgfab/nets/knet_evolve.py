@@ -102,7 +102,7 @@ def evolve_spherical(axes: Sequence[ArrayLike], *, name: str = "cell") -> Floats
     DegenerateError
         m_i = m_j somewhere (n_1 = -n_2); names the cell.
 
-    Source: maths.md 3.4, 3.5; Bobenko, Suris, Discrete Differential Geometry, 2.3.8, 4.2.
+    Source: maths.md 3.4, 3.5; Bobenko, Suris, Discrete Differential Geometry, 4.1, 4.2.
     """
     lines = _axes(axes)
     d = len(lines)

@@ -93,8 +93,8 @@ def evolve_moutard(first: ArrayLike, second: ArrayLike, coefficients: ArrayLike)
 def star_triangle(a12: ArrayLike, a23: ArrayLike, a31: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Coefficients (tau_3 a_12, tau_1 a_23, tau_2 a_31) of the quads opposite to three at a corner.
 
-    tau_i a_jk = -a_jk / (a_12 a_23 + a_23 a_31 + a_31 a_12); an involution up to the orientation
-    seen from the opposite corner. Arrays are broadcast.
+    tau_i a_jk = -a_jk / (a_12 a_23 + a_23 a_31 + a_31 a_12); an involution. Arrays are
+    broadcast.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def evolve_tnet(surfaces: Mapping[tuple[int, int], ArrayLike], *, verify: bool =
         A surface that is no T-net, m_k = m_l, no star-triangle map; with `verify` a second point
         elsewhere. Names the cell.
 
-    Source: maths.md 3.3; Bobenko, Suris, Theorems 2.30, 2.31.
+    Source: maths.md 3.3; Bobenko, Suris, Discrete Differential Geometry, 2.3.
     """
     net = _with_surfaces(surfaces)
     d = net.ndim - 1

@@ -2,7 +2,7 @@
 
 A transform is a further direction of the net: its unit field m' fulfils the same half-turn rule,
 its points are x' = x + r m' x m, at the constant distance r sin(sigma), with the normal angle
-sigma. Source: Bobenko, Suris, Discrete Differential Geometry, 4.2.4; maths.md 3.10, 3.11.
+sigma. Source: Bobenko, Suris, Discrete Differential Geometry, 4.2; maths.md 3.10, 3.11.
 """
 
 from __future__ import annotations
