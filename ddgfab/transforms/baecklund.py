@@ -188,8 +188,9 @@ def bianchi(net: KNet, first: KNet, second: KNet) -> KNet:
     d = m_2 - m_1
     square = np.einsum("i...,i...->...", d, d)
     Place(name="vertex").refuse(
-        square <= RELATIVE_DEGENERATE**2,
-        f"the two transforms coincide; distance of their normals, limit {RELATIVE_DEGENERATE:g}",
+        square <= NET_INPUT**2,
+        f"the two transforms coincide; distance of their normals, limit {NET_INPUT:g} (their "
+        "rounding is divided by it)",
         np.sqrt(square),
     )
     a = -2.0 * np.einsum("i...,i...->...", m, d) / square

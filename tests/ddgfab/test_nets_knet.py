@@ -145,6 +145,22 @@ def test_three_directions_do_not_depend_on_their_order() -> None:
     assert np.allclose(swapped.normals.transpose(0, 2, 1, 3), net.normals, atol=EXACT)
 
 
+def test_directions_zero_and_one_exchanged_change_the_gauge_only() -> None:
+    """The net with its directions exchanged has the same m; n' = (-1)^u_1 m, so that all normal
+    angles are replaced by pi - delta and turns alternate their sign with the normal."""
+    deltas, turns, corner = cauchy(5, 6)
+    net = knet(deltas, turns, corner)
+    signs = [(-1.0) ** np.arange(1, len(d)) for d in deltas]
+    swapped = knet(
+        [np.pi - deltas[1], np.pi - deltas[0]],
+        [signs[1] * turns[1], signs[0] * turns[0]],
+        -corner,
+        edge=net.points[0, 1],
+    )
+    assert np.allclose(swapped.points.transpose(1, 0, 2), net.points, atol=EXACT)
+    assert np.allclose(swapped.m.transpose(1, 0, 2), net.m, atol=EXACT)
+
+
 def test_norms_do_not_drift_where_the_lambda_form_explodes() -> None:
     """300 x 300 cells; the textbook form -n + lambda s loses all digits within 25 steps."""
     deltas, turns, corner = cauchy(300, 300, seed=4, largest=0.3)

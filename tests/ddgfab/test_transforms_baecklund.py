@@ -156,6 +156,16 @@ def test_two_dini_surfaces_have_a_common_transform() -> None:
     assert max(both.residuals().values()) < EXACT
 
 
+def test_transforms_of_one_sigma_lead_back_and_are_refused_where_they_meet() -> None:
+    """Of equal sigma: a = 0, the common transform is the net. Far from both solitons they meet."""
+    net = any_knet(4, 4)
+    one, other = baecklund(net, 1.0, 0.3), baecklund(net, 1.0, 1.3)
+    assert np.allclose(bianchi(net, one, other).points, net.points, atol=1e-12)
+    line = vacuum(np.full(4, 0.3), np.full(40, 0.3))
+    with pytest.raises(DegenerateError, match=r"vertex \(0, \d+\): the two transforms coincide"):
+        bianchi(line, baecklund(line, 1.0, 0.3), baecklund(line, 1.0, 1.3))
+
+
 def test_large_net_keeps_its_norms() -> None:
     rng = np.random.default_rng(6)
     deltas = [rng.uniform(0.005, 0.02, 300) for _ in "ab"]
