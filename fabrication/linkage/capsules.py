@@ -148,10 +148,18 @@ class Pieces:
         best = np.einsum("pkc,pc->pk", points, directions).argmax(axis=1)
         out = points[np.arange(len(which)), best]
         axis = self.axis[which]
-        flat = directions - np.einsum("pc,pc->p", directions, axis)[:, None] * axis
+        flat = _across(directions, axis)
+        size = np.linalg.norm(flat, axis=1, keepdims=True)
+        # Twice: what is left of a direction along the axis is rounding, with a part along the axis.
+        flat = _across(flat / np.where(size > 0, size, 1.0), axis)
         size = np.linalg.norm(flat, axis=1)
         scale = np.where(size > 0, self.disc[which] / np.where(size > 0, size, 1.0), 0.0)
         return np.asarray(out + scale[:, None] * flat)
+
+
+def _across(vectors: Floats, axes: Floats) -> Floats:
+    """The parts of (p, 3) vectors perpendicular to unit axes."""
+    return np.asarray(vectors - np.einsum("pc,pc->p", vectors, axes)[:, None] * axes)
 
 
 def _carrier(mechanism: Mechanism, body: Body) -> tuple[int, Floats]:
