@@ -20,11 +20,12 @@ LABEL_MARGIN: Final = 0.2
 PARALLEL: Final = 1e-12
 """A side whose normal leans against an eye's axis by less is parallel and meets it in lines."""
 
-SLANTED: Final = 1e-5
-"""A side that leans by less than this, and is not parallel, has no ellipse of usable size."""
+SLANTED: Final = 5e-4
+"""A side that leans by less [rad] and is not parallel meets an eye in an ellipse many metres long,
+whose coordinates leave no digits: the bar is turned a little."""
 
-NUDGE: Final = 1e-4
-"""By how much [rad] a bar is turned about itself to avoid such sides."""
+NUDGE: Final = 1e-3
+"""By how much [rad] a bar is turned about itself to avoid such sides: some micrometres there."""
 
 
 @dataclass(frozen=True)

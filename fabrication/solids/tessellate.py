@@ -8,11 +8,11 @@ plane trapezoids. Plane faces are triangulated polygons with holes over the same
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, Ints
 from fabrication.solids.boundary import Boundary, cross_rows
 from fabrication.specs import TriangleMesh
 
@@ -27,6 +27,9 @@ MAX_STEP = math.pi / 4.0
 
 QUAD = 4
 """Polygons of so few corners are fanned out when they are convex."""
+
+SLIVER: Final = 1e-6
+"""A triangle lower than this part of its longest side has its three corners in line."""
 
 Crossing: TypeAlias = tuple[float, int]
 """Where something crosses a generator line: height [mm] along the axis, and the point's id."""
@@ -76,8 +79,7 @@ class _Sampler:
         rows = b.edge_arc[arcs]
         ends = b.points[b.edges[arcs]] - origin
         angles = np.arctan2(ends @ ydir, ends @ xdir) % (2.0 * math.pi)
-        axes = np.concatenate([b.arc_a[rows], b.arc_b[rows]])
-        size = math.sqrt(float(np.max(np.sum(axes * axes, axis=1))))
+        size = _curvature(b, rows)
         grid = _grid(angles, min(MAX_STEP, 2.0 * math.acos(max(0.0, 1.0 - self.chord / size))))
         columns: list[list[Crossing]] = [[] for _ in grid]
         slabs: list[list[tuple[Crossing, Crossing]]] = [[] for _ in grid]
@@ -137,9 +139,22 @@ class _Sampler:
         import manifold3d
 
         ids = np.concatenate([np.array(ring) for ring in rings])
+        found = np.asarray(manifold3d.triangulate(flat)).tolist()
         self.triangles += [
-            (i, j, k) for i, j, k in ids[np.asarray(manifold3d.triangulate(flat))].tolist()
+            (int(ids[i]), int(ids[j]), int(ids[k]))
+            for i, j, k in _without_slivers(found, np.concatenate(flat))
         ]
+
+
+def _curvature(boundary: Boundary, rows: Ints) -> float:
+    """Greatest second derivative [mm/rad2] along some arcs: of circles the radius, of ellipses half
+    the length only where they turn."""
+    first, last = boundary.arc_range[rows].T
+    quarter = 0.5 * math.pi
+    inner = (np.ceil(first / quarter)[:, None] + np.arange(3)) * quarter
+    t = np.column_stack([first, last, np.minimum(inner, last[:, None])])
+    away = boundary.arc_points(rows, t) - boundary.arc_centre[rows][:, None]
+    return float(np.linalg.norm(away, axis=-1).max())
 
 
 def _grid(angles: Floats, step: float) -> Floats:
@@ -176,6 +191,46 @@ def _strip(left: list[int], right: list[int], outward: bool) -> list[tuple[int, 
             out.append((left[i], right[j], right[j + 1]))
             j += 1
     return out if outward else [(a, c, b) for a, b, c in out]
+
+
+def _without_slivers(triangles: list[list[int]], points: Floats) -> list[list[int]]:
+    """The same polygon without triangles whose corners are in line, such as those between the
+    letters of a row: each gives its longest side to the other diagonal of the two triangles there.
+    """
+
+    def longest(triangle: list[int]) -> tuple[list[int], bool]:
+        """The triangle beginning with its longest side, and whether it has no height."""
+        corners = points[triangle]
+        sides = np.roll(corners, -1, axis=0) - corners
+        square = np.einsum("ij,ij->i", sides, sides)
+        k = int(square.argmax())
+        area = abs(sides[0, 0] * sides[1, 1] - sides[0, 1] * sides[1, 0])
+        return triangle[k:] + triangle[:k], bool(area <= SLIVER * square[k])
+
+    corners = points[np.array(triangles)]
+    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    doubled = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+    reach = np.maximum(np.sum(one**2, axis=1), np.sum(two**2, axis=1))
+    todo = np.flatnonzero(doubled <= 2.0 * SLIVER * reach).tolist()
+    if not todo:
+        return triangles
+    owner = {(t[k - 1], t[k]): n for n, t in enumerate(triangles) for k in range(3)}
+    for _ in range(len(triangles) ** 2):
+        if not todo:
+            break
+        here = todo.pop()
+        (a, b, c), flat = longest(triangles[here])
+        there = owner.get((b, a))
+        if not flat or there is None:
+            continue
+        del owner[a, b], owner[b, a]
+        d = next(corner for corner in triangles[there] if corner not in (a, b))
+        triangles[here], triangles[there] = [a, d, c], [d, b, c]
+        for number in (here, there):
+            t = triangles[number]
+            owner |= {(t[k - 1], t[k]): number for k in range(3)}
+            todo.append(number)
+    return triangles
 
 
 def _convex(ring: Floats) -> bool:

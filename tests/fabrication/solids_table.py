@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fabrication.linkspecs import CouponShape, Label, LinkShape, PinShape, RingShape
 from fabrication.specs import (
     BeamShape,
     CrossHole,
@@ -214,7 +215,53 @@ for _name, _shift in (("a hair apart", 4e-7), ("a hair over", -4e-7)):
         1,
     )
 
-EXACT: dict[str, tuple[Shape, int]] = {**BEAMS, **NODES, **PANELS}
+
+def link(
+    degrees: float,
+    start: float = 0.0,
+    end: float = 0.0,
+    *,
+    length: float = 100.0,
+    label: Label | None = None,
+    **other: float,
+) -> LinkShape:
+    sizes = {"bar_width": 5.0, "bar_height": 5.0, "bevel": 1.0, "eye_height": 6.0} | other
+    eye, bores = sizes.pop("eye_diameter", 10.0), (3.4, sizes.pop("bore", 3.4))
+    return LinkShape(
+        length, math.radians(degrees), start, end, eye, bores=bores, label=label, **sizes
+    )
+
+
+LINKS: dict[str, tuple[LinkShape, int]] = {
+    "straight": (link(0.0), 2),  # all but the bevels are parallel to the axes
+    "bennett a": (link(40.0, -3.2, -3.2), 2),
+    "bennett b": (link(70.0, 3.2, 3.2, length=146.2), 2),
+    "left hand": (link(-70.0, 3.2, 3.2, length=146.2), 2),
+    "short on level 3": (link(22.5, 9.6, 9.6, length=38.2683), 2),
+    "slanted": (link(-22.5, -3.2, 6.4, length=60.0), 2),
+    "right angle": (link(90.0), 2),  # bevels parallel to the axes
+    "right angle off": (link(90.0, -3.2, -3.2), 2),
+    "sharp section": (link(35.0, bar_width=4.0, bar_height=4.0, bevel=0.0), 2),
+    "flat section": (link(-50.0, 3.2, 3.2, bar_width=6.0, bar_height=3.0, bevel=0.4), 2),
+    "two bores": (link(30.0, bore=5.0), 2),
+    "engraved": (link(40.0, 3.2, 3.2, label=Label("L1068", 0.5, 0.6)), 2),
+    "engraved stacked": (link(-40.0, 3.2, 3.2, label=Label("L12", 0.8, 0.6, True)), 2),
+    "embossed": (link(40.0, 3.2, 3.2, label=Label("L4.9-8", 0.5, -0.5)), 2),
+    "embossed stacked": (link(10.0, label=Label("HCPT 0", 0.7, -0.5, True)), 2),
+}
+OTHERS: dict[str, tuple[PinShape | RingShape | CouponShape, int]] = {
+    "rod": (PinShape(3.0, 21.2), 0),
+    "pin with head": (PinShape(4.0, 17.2, 7.0, 2.0), 0),
+    "spacer": (RingShape(10.0, 3.4, 6.0), 1),
+    "cap": (RingShape(6.0, 3.1, 4.2, 1.2), 0),
+    "coupon": (CouponShape((3.2, 3.3, 3.4), 7.0, 12.0, 6.0), 3),
+    "coupon with labels": (
+        CouponShape((3.2, 3.4), 8.0, 14.0, 6.0, (Label("10", 0.6, 0.6), Label("20", 0.6, 0.6))),
+        2,
+    ),
+}
+
+EXACT: dict[str, tuple[Shape, int]] = {**BEAMS, **NODES, **PANELS, **LINKS, **OTHERS}
 
 TUBE = NodeShape(60.0, 50.0, -40.0, 45.0)
 
