@@ -29,6 +29,9 @@ from fabrication.specs import Family, Instance, Role
 from fabrication.standards import density
 from fabrication.table import Table
 
+SHOWN: Final = 2
+"""Pairs of parts that are named at either end of the free range; the manifest names all."""
+
 MESHES: Final = (".obj", ".off", ".ply")
 
 SECTIONS: Final = ("project", "linkage", "printer", "parts", "motion", "output")
@@ -117,7 +120,10 @@ class Kit:
             ("free range", f"{low:.2f} to {high:.2f} deg, that is {high - low:.2f} deg"),
             ("design pose", f"{design:.2f} deg"),
         ]
-        words += [("ends where", touch_words(contact)) for contact in motion.contacts]
+        for end, contacts in (("ends below", motion.below), ("ends above", motion.above)):
+            words += [(end, touch_words(contact)) for contact in contacts[:SHOWN]]
+            if len(contacts) > SHOWN:
+                words.append((end, f"and {len(contacts) - SHOWN} more pairs"))
         words += [("tightest within", touch_words(contact)) for contact in motion.tightest[:1]]
         words += [("certificate", motion.certificate), ("path", mechanism.path)]
         words += [("folded at", f"{np.degrees(t):.2f} deg: {what}") for t, what in self._dead]

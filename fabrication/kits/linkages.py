@@ -10,10 +10,11 @@ from pydantic import Field, field_validator, model_validator
 
 from ddgfab.errors import InputError
 from ddgfab.io import read_mesh
-from ddgfab.linkages import Mechanism, bennett, cube, knet_mechanism
+from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism
 from ddgfab.mesh import Floats
 from ddgfab.net import Net
 from ddgfab.nets.knet import KNet, knet
+from ddgfab.nets.knet_crab import crab_net
 from ddgfab.nets.knet_recover import recover_knet
 from ddgfab.nets.registry import find_generator, generate
 from fabrication.project.models import Finite, Positive, Section
@@ -190,3 +191,30 @@ class KNetLinkage(Section):
                 "and the second of each pair is greater than the first"
             )
         return points[i0 : i1 + 1, j0 : j1 + 1]
+
+
+class CrabLinkage(Section):
+    """[linkage] kind = "crab": rings of isograms closed around an axis, which open like a basket.
+
+    Attributes
+    ----------
+    around : number of hinges on a ring
+    rings : number of rings of hinges
+    twist_deg : of all bars; those of the two directions have opposite hands
+    design_deg : driving angle of the design pose: of the axes of ring 0 with the net's axis
+    length_mm : of all bars
+    """
+
+    kind: Literal["crab"] = "crab"
+    around: Annotated[int, Field(ge=3, le=60)] = 5
+    rings: Annotated[int, Field(ge=3, le=60)] = 4
+    twist_deg: Twist = 40.0
+    design_deg: Angle = 45.0
+    length_mm: Positive = 80.0
+
+    def mechanism(self, folder: Path | None = None) -> Mechanism:
+        """The mechanism; raises `InputError` or `DegenerateError` where no such net exists."""
+        net = crab_net(
+            self.around, np.radians(self.twist_deg), np.radians(self.design_deg), self.rings
+        )
+        return crab_mechanism(net, scale_mm=self.length_mm / net.edge_length)

@@ -13,7 +13,7 @@ from pydantic import Field, ValidationError, field_validator
 
 from ddgfab.errors import ProjectError
 from ddgfab.linkages import Mechanism
-from fabrication.kits.linkages import BennettLinkage, CubeLinkage, KNetLinkage
+from fabrication.kits.linkages import BennettLinkage, CrabLinkage, CubeLinkage, KNetLinkage
 from fabrication.kits.plates import BED_MM, GAP_MM, MARGIN_MM, Bed
 from fabrication.linkage.settings import LabelStyle, LinkageSettings, PinKind, settings_for
 from fabrication.project.load import explain, find_line, read_toml, sections_in, unknown
@@ -134,7 +134,7 @@ class KitProject(Section):
     """A whole project, validated. `file` is where it came from, None when made in Python."""
 
     project: KitName = KitName()
-    linkage: BennettLinkage | CubeLinkage | KNetLinkage
+    linkage: BennettLinkage | CubeLinkage | KNetLinkage | CrabLinkage
     printer: PrinterSection = PrinterSection()
     parts: PartsSection = PartsSection()
     motion: MotionSection = MotionSection()
@@ -178,10 +178,17 @@ class KNetKit(KitProject):
     linkage: KNetLinkage = KNetLinkage()
 
 
+class CrabKit(KitProject):
+    """A project of kind "crab"."""
+
+    linkage: CrabLinkage = CrabLinkage()
+
+
 KITS: Final[dict[str, type[KitProject]]] = {
     "bennett": BennettKit,
     "cube": CubeKit,
     "knet": KNetKit,
+    "crab": CrabKit,
 }
 """Kinds of linkage."""
 
