@@ -11,7 +11,6 @@ import typer
 from fabrication.cli.common import Debug, app, errors, progress, sections_of, words
 
 if TYPE_CHECKING:
-
     from fabrication.kits.kit import Kit
     from fabrication.pipeline import JobResult
 

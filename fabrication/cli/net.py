@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ddgfab.mesh import Mesh
 from fabrication.cli.common import Debug, app, errors, toml_value
+
+if TYPE_CHECKING:
+    from ddgfab.mesh import Mesh
 
 
 @app.command("net")
