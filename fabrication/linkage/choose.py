@@ -28,7 +28,7 @@ from fabrication.solids.linkframe import bar_radius, eyes_of
 
 Prefer = Literal["parts", "range"]
 
-SAMPLES: Final = 36
+SAMPLES: Final = 72
 """Driving angles at which choices are compared, besides that of the design pose."""
 
 ALIKE: Final = np.radians(5.0)

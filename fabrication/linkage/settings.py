@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from ddgfab.errors import InputError
 from fabrication.standards.printers import Printer, printer
 
 PinKind = Literal["metal", "printed"]
 LabelStyle = Literal["engraved", "embossed", "none"]
+
+
+BAR: Final = 5.0
+"""Width and height [mm] of bars when none is given."""
+
+BEVEL: Final = 0.2
+"""Bevel of bars as a part of their smaller side: the corners then fit eyes 6 mm high at any twist,
+and the flat sides still take letters of 4 mm."""
 
 
 @dataclass(frozen=True)
@@ -88,9 +96,9 @@ def settings_for(
         "press": preset.press,
         "eye_diameter": 10.0,
         "eye_height": 6.0,
-        "bar_width": 5.0,
-        "bar_height": 5.0,
-        "bevel": 1.0,
+        "bar_width": BAR,
+        "bar_height": BAR,
+        "bevel": BEVEL * min(given.get("bar_width") or BAR, given.get("bar_height") or BAR),
         "cap_diameter": max(6.0, diameter + 2.0 * preset.press + 2.4 * preset.wall),
         "cap_grip": 3.0,
         "cap_floor": 1.2,

@@ -1,0 +1,355 @@
+"""Kits in parts: places, gaps and pins in every pose, numbers and labels, coupon, bad settings."""
+
+from __future__ import annotations
+
+from itertools import combinations, pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from test_linkage_levels import box, loop, net
+
+from ddgfab.errors import DetailError, InputError, ProjectError
+from ddgfab.linkages import Mechanism, knet_mechanism
+from ddgfab.nets import amsler
+from fabrication.checks.mesh import to_manifold
+from fabrication.export.step import Header, Material
+from fabrication.families import families
+from fabrication.linkage.coupon import coupon_shape
+from fabrication.linkage.labels import label_for, short_number
+from fabrication.linkage.levels import slanted_levels
+from fabrication.linkage.links import Linkage, detail_linkage, hinge_frames, touching_parts
+from fabrication.linkage.settings import settings_for
+from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
+from fabrication.parts import PartJob, PartSettings, make_part, verify_parts
+from fabrication.solids import boundary_of, mesh_of
+from fabrication.specs import Fitting, Link, Pin
+from fabrication.standards import Printer, printer, printer_keys
+
+
+def kit(mechanism: Mechanism | None = None, **given: Any) -> Linkage:
+    return detail_linkage(mechanism or loop(), settings_for(**given))
+
+
+def angles(mechanism: Mechanism, count: int) -> np.ndarray:
+    low, high = mechanism.limits
+    return low + (high - low) * (np.arange(count) + 0.5) / count
+
+
+KITS = {
+    "loop": lambda: kit(),
+    "loop printed": lambda: kit(pin="printed", printer_key="sls"),
+    "net": lambda: kit(net(2, 2)),
+    "wide net": lambda: kit(
+        knet_mechanism(amsler([0.3, 0.5], [0.4, 0.35, 0.3], 1.7), scale_mm=200)
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=KITS)
+def made(request: pytest.FixtureRequest) -> Linkage:
+    return KITS[request.param]()
+
+
+def test_eyes_pins_and_fittings_are_coaxial_in_every_pose(made: Linkage) -> None:
+    mechanism = made.mechanism
+    shapes = {piece.mark: piece for piece in made.pieces}
+    for t in angles(mechanism, 25):
+        pose = mechanism.pose(t)
+        for mark, at in made.placements_at(pose).items():
+            piece = shapes[mark]
+            assert np.abs(at[:3, :3] @ at[:3, :3].T - np.eye(3)).max() < 1e-12
+            assert np.linalg.det(at[:3, :3]) > 0
+            if isinstance(piece, Link):
+                boundary = boundary_of(piece.shape)
+                assert boundary is not None
+                bore = boundary.face_radius == piece.shape.bores[0] / 2
+                places = boundary.face_origin[bore] @ at[:3, :3].T + at[:3, 3]
+                axes = boundary.face_axis[bore] @ at[:3, :3].T
+                hinges = np.repeat(piece.hinges, 2)
+                away = places - pose.points[hinges]
+                off = np.cross(away, pose.axes[hinges])
+                assert np.abs(off).max() < 1e-6
+                assert np.abs(np.cross(axes, pose.axes[hinges])).max() < 1e-9
+            else:
+                assert isinstance(piece, Pin | Fitting)
+                assert piece.hinge is not None
+                axis = pose.axes[piece.hinge]
+                away = at[:3, 3] - pose.points[piece.hinge]
+                assert np.abs(np.cross(away, axis)).max() < 1e-9
+                assert np.abs(np.cross(at[:3, 2], axis)).max() < 1e-12
+
+
+def test_stacks_keep_the_gap_and_pins_hold_them(made: Linkage) -> None:
+    """From meshes in place: what is on a pin is in the order said, with the gap between."""
+    mechanism, settings = made.mechanism, made.settings
+    pose = mechanism.pose(mechanism.design)
+    placed = made.placements_at(pose)
+    shapes = {piece.mark: piece.shape for piece in made.pieces}
+
+    def span(mark: str, hinge: int) -> tuple[float, float]:
+        shape, at = shapes[mark], placed[mark]
+        points = mesh_of(shape).vertices @ at[:3, :3].T + at[:3, 3]
+        along = (points - pose.points[hinge]) @ pose.axes[hinge]
+        radial = np.linalg.norm(
+            points - pose.points[hinge] - np.outer(along, pose.axes[hinge]), axis=1
+        )
+        here = radial < settings.eye_diameter / 2 + 1e-6
+        return float(along[here].min()), float(along[here].max())
+
+    for hinge, stack in enumerate(made.stacks):
+        pin, *rest = stack
+        assert pin.mark == f"H-{hinge:04d}"
+        assert {item.mark for item in rest if item.role == "link"} == {
+            f"L-{bar:04d}" for bar in np.flatnonzero((mechanism.bars == hinge).any(axis=1))
+        }
+        spans = [span(item.mark, hinge) for item in rest]
+        for item, (low, high) in zip(rest, spans, strict=True):
+            assert (low, high) == pytest.approx((item.low, item.high), abs=1e-9)
+        for (_, below), (above, _) in pairwise(spans):
+            assert above - below == pytest.approx(settings.axial_gap, abs=1e-9)
+        low, high = span(pin.mark, hinge)
+        shape = shapes[pin.mark]
+        assert isinstance(shape, PinShape)
+        assert spans[-1][1] - high == pytest.approx(settings.cap_floor)  # it reaches the cap's end
+        if settings.pin == "metal":
+            assert low - spans[0][0] == pytest.approx(settings.cap_floor)
+        else:
+            assert spans[0][0] - low == pytest.approx(settings.head_height + settings.axial_gap)
+            assert shape.head_diameter > settings.bore
+
+
+def test_nothing_overlaps_in_the_design_pose(made: Linkage) -> None:
+    """By manifold3d on the parts' own meshes, every pair of pieces; pins and bores turn freely."""
+    placed = made.placements_at(made.mechanism.pose(made.mechanism.design))
+    parts = {
+        piece.mark: to_manifold(mesh_of(piece.shape)).transform(placed[piece.mark][:3])
+        for piece in made.pieces
+        if piece.mark in placed
+    }
+    for one, two in combinations(parts, 2):
+        common = (parts[one] ^ parts[two]).volume()
+        assert common < 1e-6, (one, two, common)
+    assert touching_parts(made) == ()
+
+
+def test_metal_pin_turns_in_its_bores(made: Linkage) -> None:
+    for family in made.families:
+        if isinstance(family.shape, LinkShape):
+            assert family.shape.bores == (made.settings.bore,) * 2
+    settings = made.settings
+    assert settings.bore - settings.pin_diameter == pytest.approx(2 * settings.clearance)
+
+
+def test_every_piece_has_one_number_and_links_carry_it(made: Linkage) -> None:
+    marks = [instance.mark for family in made.families for instance in family.instances]
+    assert sorted(marks) == sorted(piece.mark for piece in made.pieces)
+    assert len(set(marks)) == len(marks)
+    for family in made.families:
+        assert family.deviation < 1e-6
+        if isinstance(family.shape, LinkShape):
+            assert family.shape.label is not None
+            assert family.shape.label.text == short_number(family.number)
+
+
+def test_placements_of_families_agree_with_those_of_the_pose(made: Linkage) -> None:
+    """A turned instance fills the same space as its piece, but for its label."""
+    own = {piece.mark: piece for piece in made.pieces}
+    for family in made.families:
+        bare = family.shape
+        for instance in family.instances:
+            shape = own[instance.mark].shape
+            here, there = (
+                np.sort(np.round(mesh_of(s).vertices @ at[:3, :3].T + at[:3, 3], 6), axis=0)
+                for s, at in (
+                    (_bare(bare), instance.placement),
+                    (_bare(shape), own[instance.mark].placement),
+                )
+            )
+            assert np.abs(here.min(axis=0) - there.min(axis=0)).max() < 0.05
+            assert np.abs(here.max(axis=0) - there.max(axis=0)).max() < 0.05
+
+
+def _bare(shape: Any) -> Any:
+    if isinstance(shape, LinkShape):
+        return LinkShape(**{**vars(shape), "label": None})
+    return shape
+
+
+def test_equal_strips_of_a_net_take_two_links() -> None:
+    found = kit(net(3, 3))
+    links = [family for family in found.families if family.role == "link"]
+    assert [len(family.instances) for family in links] == [12, 12]
+    hands = [np.sign(family.shape.twist) for family in links]  # type: ignore[union-attr]
+    assert hands == [1.0, -1.0] or hands == [-1.0, 1.0]
+
+
+def test_links_of_other_length_twist_or_level_are_other_parts() -> None:
+    links = [piece for piece in kit().pieces if isinstance(piece, Link)]
+    assert len(families(links, 1e-6)) == 2
+    levels = next(iter(slanted_levels(loop())))
+    found = detail_linkage(loop(), settings_for(), levels)
+    assert {tuple(sorted(piece.levels)) for piece in found.pieces if isinstance(piece, Link)} <= {
+        (0, 0), (0, 1), (1, 1),
+    }  # fmt: skip
+
+
+def test_spacers_fill_empty_levels() -> None:
+    levels = np.array([[0, 0], [0, 0], [3, 3], [3, 3]])
+    found = detail_linkage(loop(), settings_for(), levels)
+    rings = [p for p in found.pieces if isinstance(p, Fitting) and p.role == "spacer"]
+    # Levels 1 and 2 are empty: two eyes and the gap between them.
+    assert len(rings) == 4
+    assert all(isinstance(p.shape, RingShape) for p in rings)
+    assert {round(p.shape.height, 9) for p in rings} == {12.4}  # type: ignore[union-attr]
+    assert [item.role for item in found.stacks[0]] == [
+        "pin", "cap", "link", "spacer", "link", "cap",
+    ]  # fmt: skip
+
+
+def test_hinge_frames_turn_with_a_bar_of_the_hinge() -> None:
+    mechanism = net(2, 1)
+    pose = mechanism.pose(mechanism.design)
+    frames = hinge_frames(mechanism, pose)
+    assert np.abs(frames[:, :3, 2] - pose.axes).max() < 1e-12
+    assert np.abs(np.einsum("vji,vjk->vik", frames, frames)[:, :3, :3] - np.eye(3)).max() < 1e-9
+
+
+def test_parts_that_touch_whatever_the_levels_are_named() -> None:
+    mechanism = knet_mechanism(amsler([0.05, 0.05], [0.05, 0.05], 0.2), scale_mm=300)
+    with pytest.raises(DetailError) as error:
+        kit(mechanism)
+    assert "no levels keep all parts apart" in str(error.value)
+    assert "on pins H-" in str(error.value)
+    assert len(str(error.value).splitlines()) <= 3
+
+
+# --- labels and coupon ---------------------------------------------------------------------------
+def test_labels_are_legible_where_there_is_room_and_can_be_left_out() -> None:
+    shape = next(p.shape for p in kit().pieces if isinstance(p, Link))
+    assert shape.label is not None
+    assert 5 * shape.label.unit == pytest.approx(4.0)  # letters of 4 mm
+    assert shape.label.unit >= settings_for().printer.stroke
+    assert all(p.shape.label is None for p in kit(label="none").pieces if isinstance(p, Link))
+    raised = kit(label="embossed")
+    assert all(p.shape.label.depth < 0 for p in raised.pieces if isinstance(p, Link))  # type: ignore[union-attr]
+
+
+def test_bars_too_small_for_a_label_go_without_and_say_so() -> None:
+    found = kit(bar_width=2.0, bar_height=2.0)
+    assert all(p.shape.label is None for p in found.pieces if isinstance(p, Link))
+    assert found.notes == (
+        "LP-001 has no label: its bar is too small for legible letters",
+        "LP-002 has no label: its bar is too small for legible letters",
+    )
+
+
+@pytest.mark.parametrize("width", [3.0, 4.0, 5.0, 6.0, 8.0])
+@pytest.mark.parametrize("key", ["fdm-0.4", "fdm-0.25", "sla", "sls"])
+def test_a_label_fits_its_bar(width: float, key: str) -> None:
+    settings = settings_for(key, bar_width=width, bar_height=width, eye_height=12.0)
+    shape = LinkShape(60.0, 0.5, 0.0, 0.0, 14.0, 12.0, (4.0, 4.0), width, width, settings.bevel)
+    label = label_for(shape, "L1068", settings)
+    if label is not None:
+        assert label.unit >= settings.printer.stroke
+        assert boundary_of(LinkShape(**{**vars(shape), "label": label})) is not None
+
+
+@pytest.mark.parametrize("key", printer_keys())
+@pytest.mark.parametrize("pin", ["metal", "printed"])
+def test_every_printer_has_a_coupon_around_its_clearance(key: str, pin: Any) -> None:
+    settings = settings_for(key, pin=pin)
+    coupon = coupon_shape(settings)
+    boundary_of(coupon)
+    clearances = (np.array(coupon.bores) - settings.pin_diameter) / 2
+    assert (np.diff(clearances) > 0).all()
+    assert clearances.min() < settings.clearance < clearances.max()
+    assert np.abs(clearances - settings.clearance).min() < 1e-9
+    assert [int(label.text) / 100 for label in coupon.labels] == pytest.approx(clearances)
+
+
+def test_a_kit_holds_one_coupon_and_its_pin_or_none() -> None:
+    found = kit()
+    assert [p.mark for p in found.pieces if p.role == "coupon"] == ["T-0000"]
+    assert isinstance(found.pieces[-2].shape, CouponShape)
+    assert found.pieces[-1].mark == "T-0001"
+    assert not any(p.mark.startswith("T") for p in kit(coupon=False).pieces)
+
+
+# --- settings and printers -----------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (
+            {"pin_diameter": 8.0},
+            ["pin of 8 mm", "wall of 0.8 mm", "limit 1.2", "7.2 mm or"],
+        ),
+        ({"pin": "printed", "pin_diameter": 3.0}, ["3 mm breaks", "limit 4 mm"]),
+        ({"pin_diameter": 1.0}, ["bore of 1.4 mm closes", "limit 2 mm"]),
+        ({"eye_height": 0.0}, ["eye_height is 0 mm"]),
+        ({"clearance": -0.1}, ["clearance is -0.1 mm"]),
+        ({"press": -0.1}, ["press"]),
+        ({"cap_floor": 0.5}, ["floor of 0.5 mm", "1.2 mm"]),
+        ({"cap_diameter": 12.0}, ["caps of 12 mm", "eyes of 10 mm"]),
+        ({"bar_width": 1.0}, ["bars of 1 mm", "limit 1.2 mm"]),
+        ({"max_levels": 0}, ["level"]),
+        ({"eye_hight": 6.0}, ['"eye_hight"', "eye_height"]),
+    ],
+)
+def test_bad_settings_are_said(given: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(InputError) as error:
+        settings_for(**given)
+    assert all(word in str(error.value) for word in words), error.value
+    assert len(str(error.value).splitlines()) <= 3
+
+
+def test_defaults_are_those_of_the_specification() -> None:
+    s = settings_for()
+    assert (s.pin_diameter, s.clearance, s.axial_gap) == (3.0, 0.2, 0.4)
+    assert (s.eye_diameter, s.eye_height, s.bar_width, s.bar_height) == (10.0, 6.0, 5.0, 5.0)
+    assert (s.printer.wall, settings_for(pin="printed").pin_diameter) == (1.2, 4.0)
+
+
+def test_printers_are_complete_and_sourced() -> None:
+    assert printer_keys()[0] == "fdm-0.4"
+    for key in printer_keys():
+        preset = printer(key)
+        assert isinstance(preset, Printer)
+        assert preset.key == key
+        assert len(preset.source) > 40
+        assert 0 <= preset.press < preset.clearance <= preset.axial_gap
+        assert 0 < preset.stroke <= preset.wall
+    with pytest.raises(ProjectError, match=r"fdm-0\.4"):
+        printer("fdm-0.5")
+
+
+# --- through the shop ----------------------------------------------------------------------------
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["loop", "loop printed", "wide net"])
+def test_every_part_passes_every_check_of_solid_mesh_and_files(name: str, tmp_path: Path) -> None:
+    (tmp_path / "parts" / "step").mkdir(parents=True)
+    (tmp_path / "parts" / "stl").mkdir()
+    found = KITS[name]()
+    settings = PartSettings(
+        folder=tmp_path,
+        step=True,
+        stl=True,
+        chord=0.05,
+        schema="AP214",
+        header=Header("", "", ""),
+        materials={family.role: Material("PLA", 1240.0) for family in found.families},
+    )
+    for family in found.families:
+        result = make_part(PartJob(family.number, family.role, family.shape), settings)
+        task = (result.number, result.properties.volume, result.mesh, result.files)
+        checks = (*result.checks, *verify_parts([task])[0][result.number])
+        assert all(check.passed for check in checks), [c for c in checks if not c.passed]
+
+
+def test_a_cube_takes_three_levels() -> None:
+    mechanism = box()
+    levels = mechanism.directions[:, None].repeat(2, axis=1)
+    found = detail_linkage(mechanism, settings_for(), levels)
+    assert {len([i for i in stack if i.role == "link"]) for stack in found.stacks} == {3}
+    assert not any(p.role == "spacer" for p in found.pieces)
