@@ -1,0 +1,284 @@
+"""Recipe families: fewer distinct panels or beam lengths, by moving vertices a little.
+
+Shapes (distances between the corners of a panel, or the length of an edge) are clustered by
+k-means, and vertices move so that as many pieces as possible take their cluster's shape within a
+fit tolerance; both alternate. Pieces that cannot follow are let go (Geman-McClure weights), since a
+piece that almost fits saves nothing. Several numbers of clusters are tried, and the mesh with the
+fewest families is taken. A prototype: k-means finds a good partition, not the best.
+
+Degrees of freedom say what to expect: a mesh with planar quads has about 2V, an edge that takes a
+given length uses one, a panel that takes a given shape uses five. So nearly all edges can share
+few lengths, and no more than about two panels of five can follow unless the net has repetition in
+it already.
+
+Source: Fu, Lai, He, Cohen-Or 2010, K-set tilable surfaces (idea); Geman, McClure 1987 (weights).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import get_args
+
+import numpy as np
+
+from ddgfab.errors import DegenerateError, InputError, OptimizeError
+from ddgfab.measures import planarity_percent
+from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.optimize.problem import Problem, Term, mean_edge
+from ddgfab.optimize.quality import folded_faces
+from ddgfab.optimize.repetition import Piece, Pieces, cluster_shapes, family_labels, pieces
+from ddgfab.optimize.result import OptimizeResult
+from ddgfab.optimize.solve import SolveOptions, Step, polish, solve
+from ddgfab.optimize.terms import closeness, planarity_terms
+from ddgfab.optimize.terms.edges import Lengths
+from ddgfab.optimize.torsion_problem import boundary_terms, smooth_change
+from ddgfab.optimize.torsion_terms import Power
+from ddgfab.tolerances import NET_PLANAR_PERCENT
+
+
+@dataclass(frozen=True)
+class FamiliesOptions:
+    """How the recipe runs; every field may be left as it is."""
+
+    counts: tuple[float, ...] = (0.5, 0.25, 0.12, 0.06, 0.03)
+    """Numbers of clusters to try, as parts of the families of the input."""
+    rounds: int = 20
+    """Rounds of clustering and moving for each number of clusters."""
+    steps: int = 3
+    """Gauss-Newton steps in a round."""
+    fairness: float = 1e-4
+    """Weight of the smoothness of the movement."""
+    closeness: float = 1e-5
+    """Weight of the movement itself."""
+    aim: float = 0.8
+    """The soft limit of the movement is this part of the limit."""
+    sharpest: float = 0.3
+    """Pieces this part of the tolerance from their cluster's shape weigh half, in the end."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class FamiliesResult(OptimizeResult):
+    """A mesh with fewer families.
+
+    Attributes
+    ----------
+    of : "panel" or "edge"
+    tolerance : what counts as equal, in the unit of the mesh
+    labels_before, labels : (n,) family of each piece: the number of its first member
+    """
+
+    of: Piece
+    tolerance: float
+    labels_before: Ints
+    labels: Ints
+
+    @property
+    def families_before(self) -> int:
+        """Number of families of the input."""
+        return len(np.unique(self.labels_before))
+
+    @property
+    def families(self) -> int:
+        """Number of families of the result."""
+        return len(np.unique(self.labels))
+
+
+def families(
+    mesh: Mesh,
+    *,
+    of: Piece = "panel",
+    fit_tolerance: float | None = None,
+    max_movement: float | None = None,
+    fixed: Sequence[int] | Ints = (),
+    boundary: str = "free",
+    features: Sequence[int] | Ints | None = None,
+    options: FamiliesOptions | None = None,
+    throw: bool = True,
+    progress: Callable[[str, int, Step], None] | None = None,
+) -> FamiliesResult:
+    """Fewer families of congruent panels, or of edges of one length.
+
+    Faces that are planar stay so. Beams of a job share a part number only if their end cuts agree
+    as well, which depends on node axes too: equal edges are needed for it, not enough.
+
+    Parameters
+    ----------
+    of : "panel" or "edge"
+    fit_tolerance : what counts as equal, in the unit of the mesh (see `family_labels`); by default
+        a thousandth of the mean edge
+    max_movement : greatest movement of a vertex, in the unit of the mesh; a tenth of the mean edge
+    fixed, boundary, features, progress : as in `torsion_free`
+    throw : raise when no mesh has fewer families; otherwise the input comes back, status "missed"
+
+    Returns
+    -------
+    FamiliesResult, with the numbers of families before and after
+
+    Raises
+    ------
+    OptimizeError
+        No mesh within `max_movement` has fewer families than the input.
+    InputError
+        An unknown kind of pieces, a limit that is not positive, an id out of range.
+    """
+    if of not in get_args(Piece):
+        raise InputError(f'families of "{of}"; one of {", ".join(get_args(Piece))}')
+    unit = mean_edge(mesh)
+    tolerance = unit * _TOLERANCE if fit_tolerance is None else fit_tolerance
+    limit = unit * _MOVEMENT if max_movement is None else max_movement
+    for name, value in (("fit_tolerance", tolerance), ("max_movement", limit)):
+        if not value > 0:
+            raise InputError(f"{name} = {value:g}: more than zero is needed")
+    chosen = options or FamiliesOptions()
+    centre = mesh.vertices[mesh.corners].mean(axis=0)
+    small = mesh.with_vertices((mesh.vertices - centre) / unit)
+    glide, held = boundary_terms(small, fixed, boundary)
+    planar = np.flatnonzero(planarity_percent(mesh) <= NET_PLANAR_PERCENT)
+    flat = planarity_terms(small, planar)
+    task = _Task(small, of, tolerance / unit, limit / unit, (*flat, *glide), held, features, chosen)
+    before = family_labels(small, of, task.tolerance)
+    best, labels, history = small, before, list[tuple[str, Step]]()
+    groups = len(np.unique(before))
+    for part in chosen.counts:
+        count = max(1, round(part * groups))
+
+        def tell(number: int, step: Step, stage: str = f"{count} clusters") -> None:
+            history.append((stage, step))
+            if progress is not None:
+                progress(stage, number, step)
+
+        found = _moved(task, count, tell)
+        if found is None:
+            continue
+        now = family_labels(found, of, task.tolerance)
+        if len(np.unique(now)) < len(np.unique(labels)):
+            best, labels = found, now
+    points = best.vertices * unit + centre
+    points[held] = mesh.vertices[held]
+    missed = best is small
+    result = FamiliesResult(
+        goal="families",
+        mesh=mesh if missed else mesh.with_vertices(points),
+        original=mesh,
+        status="missed" if missed else "converged",
+        history=tuple(history),
+        residual=task.residual(best.vertices.ravel()),
+        of=of,
+        tolerance=tolerance,
+        labels_before=before,
+        labels=labels,
+    )
+    if missed and throw:
+        raise OptimizeError(
+            f"families: the {len(before)} {of}s have {groups} families within {tolerance:.3g}, and "
+            f"no mesh with fewer was found that moves vertices by {limit:.3g} at most\n"
+            "allow more movement or a greater fit tolerance",
+            result=result,
+        )
+    return result
+
+
+_TOLERANCE = 1e-3
+"""Fit tolerance by default, in mean edges."""
+
+_MOVEMENT = 0.1
+"""Greatest movement by default, in mean edges."""
+
+_EXACT = 1e-10
+"""Residual of planarity and of gliding that a result may keep."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What to do on a mesh whose mean edge is one."""
+
+    mesh: Mesh
+    of: Piece
+    tolerance: float
+    limit: float
+    hard: tuple[Term, ...]
+    held: Ints
+    features: Sequence[int] | Ints | None
+    options: FamiliesOptions
+
+    def residual(self, x: Floats) -> float:
+        """Greatest residual of the hard terms."""
+        return max((float(np.abs(t.residual(x)).max(initial=0.0)) for t in self.hard), default=0.0)
+
+
+def _moved(task: _Task, count: int, tell: Callable[[int, Step], None]) -> Mesh | None:
+    """The mesh moved towards some number of shapes; None where a limit is not kept."""
+    mesh, options = task.mesh, task.options
+    wishes: list[Term] = [
+        smooth_change(mesh, options.fairness, task.features),
+        closeness(mesh, weight=options.closeness),
+        Power(term=closeness(mesh), width=3, limit=options.aim * task.limit, weight=_HOLD),
+    ]
+    groups = pieces(mesh, task.of)
+    total = sum(len(group.ids) for group in groups)
+    problem = Problem.build(mesh, fixed=task.held)
+    sharpest, width = options.sharpest * task.tolerance, np.inf
+    for left in reversed(range(options.rounds)):
+        points = problem.vertices(problem.start)
+        clusters = [
+            _Clusters.of(group, points, max(1, round(count * len(group.ids) / total)))
+            for group in groups
+        ]
+        far = max(task.limit, *(float(c.away.max()) for c in clusters))
+        width = min(width, _WIDE * far)
+        shapes = [cluster.term(width) for cluster in clusters]
+        if left < options.rounds / 2:  # until then all pieces count
+            width = max(sharpest, width * (sharpest / width) ** (1 / max(left, 1)))
+        step = replace(problem, terms=(*wishes, *shapes, *task.hard))
+        rough = SolveOptions(max_steps=options.steps, tolerance=_ROUGH)
+        try:
+            problem = problem.with_start(solve(step, rough, throw=False, progress=tell).value)
+        except DegenerateError:
+            return None
+    if task.hard:
+        exact = replace(
+            problem, terms=(closeness(mesh, problem.vertices(problem.start)), *task.hard)
+        )
+        problem = problem.with_start(polish(exact, throw=False).value)
+    found = mesh.with_vertices(problem.vertices(problem.start))
+    movement = np.linalg.norm(found.vertices - mesh.vertices, axis=1)
+    kept = movement.max() <= task.limit and task.residual(problem.start) <= _EXACT
+    return found if kept and not len(folded_faces(found, mesh)) else None
+
+
+_HOLD = 0.01
+"""Weight of the limit of the movement."""
+
+_WIDE = 3.0
+"""Pieces up to this many times the greatest distance from the shapes weigh much, at first."""
+
+_ROUGH = 1e-8
+"""Residual of the hard terms within a round."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Clusters:
+    """Pieces, (n, p) the distances that their cluster shapes ask for, (n,) how far they are off."""
+
+    group: Pieces
+    target: Floats
+    away: Floats
+
+    @staticmethod
+    def of(group: Pieces, points: Floats, count: int) -> _Clusters:
+        shapes = group.distances(points)
+        target, _ = cluster_shapes(shapes, group.turns, min(count, len(shapes)))
+        return _Clusters(group, target, np.abs(shapes - target).max(axis=1))
+
+    def term(self, width: float) -> Lengths:
+        """Distances near those of the cluster shapes; pieces further than `width` weigh little."""
+        weight = width**2 / (width**2 + self.away**2)  # its square is that of Geman and McClure
+        ends = self.group.corners[:, self.group.pairs].reshape(-1, 2)
+        return Lengths(
+            name="family shapes",
+            index=(3 * ends[..., None] + np.arange(3)).reshape(len(ends), -1),
+            factor=np.repeat(weight, len(self.group.pairs)),
+            low=self.target.ravel(),
+            high=self.target.ravel(),
+        )
