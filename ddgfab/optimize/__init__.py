@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from ddgfab.optimize.families import FamiliesResult, families
 from ddgfab.optimize.goals import Goal, optimize
 from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
 from ddgfab.optimize.quality import Quality, folded_faces, interior_angles, roughness
-from ddgfab.optimize.recipes import Boundary, RecipeOptions, circularize, conicalize, planarize
+from ddgfab.optimize.recipes import Boundary, circularize, conicalize, planarize
 from ddgfab.optimize.result import OptimizeResult
 from ddgfab.optimize.solve import Solution, SolveOptions, Step, polish, solve
+from ddgfab.optimize.torsion_free import TorsionFreeResult, torsion_free
+from ddgfab.optimize.trials import RecipeOptions
 
 __all__ = [
     "Boundary",
+    "FamiliesResult",
     "Goal",
     "Layout",
     "OptimizeResult",
@@ -21,8 +25,10 @@ __all__ = [
     "SolveOptions",
     "Step",
     "Term",
+    "TorsionFreeResult",
     "circularize",
     "conicalize",
+    "families",
     "folded_faces",
     "interior_angles",
     "mean_edge",
@@ -31,4 +37,5 @@ __all__ = [
     "polish",
     "roughness",
     "solve",
+    "torsion_free",
 ]

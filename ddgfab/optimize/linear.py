@@ -3,33 +3,65 @@
 Matrices are positive definite or quasi-definite (positive block, negative block on the diagonal),
 so that they factor without pivoting in any order. The order that keeps factors sparse is found
 once and used again as long as the pattern of entries stays.
+
+``pypardiso`` (Intel MKL) is picked when it is installed: it factors the large systems of the direct
+route several times faster. CHOLMOD is not offered: its fast part is under the GPL.
 """
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array, csr_array, csr_matrix, triu
 from scipy.sparse.linalg import MatrixRankWarning, splu
 
-from ddgfab.errors import DegenerateError
+from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints
 
 Solve = Callable[[Floats], Floats]
+
+_PARDISO = "pypardiso"
+_SCIPY = "scipy"
+
+_SYMMETRIC_INDEFINITE = -2
+_ANALYSE_AND_FACTOR, _FACTOR, _SOLVE = 12, 22, 33
+"""Matrix type and phases of PARDISO."""
 
 
 class SymmetricSolver:
     """Factors symmetric matrices that share a pattern; the ordering is kept between calls."""
 
-    def __init__(self) -> None:
+    def __init__(self, backend: str | None = None) -> None:
+        """Choose a package of `available`; the first by default.
+
+        Raises
+        ------
+        InputError
+            A package that is unknown or not installed.
+        """
+        offered = self.available()
+        if backend is not None and backend not in offered:
+            raise InputError(f"solver {backend!r} is not here; available: {', '.join(offered)}")
+        self.backend = backend or offered[0]
         self._pattern: tuple[Any, Any] | None = None
         self._order: Ints | None = None
+        self._pardiso: Any = None
+
+    @staticmethod
+    def available() -> tuple[str, ...]:
+        """The packages that are installed, the fastest first."""
+        found = importlib.util.find_spec(_PARDISO) is not None
+        return (_PARDISO, _SCIPY) if found else (_SCIPY,)
 
     def factor(self, matrix: csr_array | csc_array) -> Solve:
-        """Function that solves with the matrix.
+        """Function that solves with the matrix, for (n,) or (n, k) right-hand sides.
+
+        With pypardiso it is valid until the next call of `factor`.
 
         Raises
         ------
@@ -38,13 +70,15 @@ class SymmetricSolver:
         """
         system = csc_array(matrix)
         system.sort_indices()
-        if self._order is None or not self._same(system):
+        known = self._same(system)
+        if not known:
             self._pattern = (system.indptr.copy(), system.indices.copy())
             self._order = None
+        factor = self._by_pardiso if self.backend == _PARDISO else self._by_scipy
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error", MatrixRankWarning)
-                return self._factor(system)
+                return factor(system, known)
         except (RuntimeError, MatrixRankWarning) as reason:
             raise DegenerateError(
                 f"a linear system of {system.shape[0]} unknowns is singular ({reason}): raise the "
@@ -52,7 +86,8 @@ class SymmetricSolver:
             ) from reason
 
     def _same(self, system: csc_array) -> bool:
-        assert self._pattern is not None
+        if self._pattern is None:
+            return False
         start, rows = self._pattern
         return bool(
             len(rows) == len(system.indices)
@@ -60,9 +95,9 @@ class SymmetricSolver:
             and np.array_equal(rows, system.indices)
         )
 
-    def _factor(self, system: csc_array) -> Solve:
+    def _by_scipy(self, system: csc_array, known: bool) -> Solve:
         options = {"SymmetricMode": True}
-        if self._order is None:
+        if not known or self._order is None:
             lu = splu(system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
             self._order = np.argsort(lu.perm_c)
             return lambda right: np.asarray(lu.solve(right))
@@ -78,5 +113,24 @@ class SymmetricSolver:
             out = np.empty_like(right)
             out[order] = lu.solve(right[order])
             return out
+
+        return solve
+
+    def _by_pardiso(self, system: csc_array, known: bool) -> Solve:
+        if not known or self._pardiso is None:
+            if self._pardiso is not None:
+                self._pardiso.free_memory(everything=True)
+            self._pardiso = importlib.import_module(_PARDISO).PyPardisoSolver(_SYMMETRIC_INDEFINITE)
+        pardiso = self._pardiso
+        upper = csr_matrix(triu(system, format="csr"))
+        upper.sort_indices()
+        # The public call analyses anew; the phase of an unchanged pattern has no public name.
+        pardiso.set_phase(_FACTOR if known else _ANALYSE_AND_FACTOR)
+        pardiso._call_pardiso(upper, np.zeros((system.shape[0], 1)))
+        pardiso.set_phase(_SOLVE)
+
+        def solve(right: Floats) -> Floats:
+            columns = np.asfortranarray(right.reshape(len(right), -1))
+            return np.asarray(pardiso._call_pardiso(upper, columns)).reshape(right.shape)
 
         return solve

@@ -1,253 +1,73 @@
-"""Recipes: planarize, circularize, conicalize a mesh, close to the design and fair.
-
-A recipe solves for hard terms (planar faces, ...) with closeness and fairness as wishes, and tries
-stiffnesses: from a gentle one (small movements, fair over few edges) to stiff ones (fair over much
-of the mesh), until the result keeps what the input had: no folded faces, corner angles, smoothness.
-From the first stiffness that works it goes back towards gentler ones, each starting at the result
-before, as long as they work too.
-"""
+"""Recipes: planarize, circularize, conicalize a mesh, close to the design and fair (`trials`)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
 
-from ddgfab.errors import DegenerateError, InputError, OptimizeError
-from ddgfab.mesh import Ints, Mesh
-from ddgfab.optimize.problem import Problem, Term, mean_edge
-from ddgfab.optimize.quality import Quality, folded_faces
+from ddgfab.errors import InputError, OptimizeError
+from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.optimize.problem import Term, mean_edge
 from ddgfab.optimize.result import OptimizeResult
-from ddgfab.optimize.solve import Progress, Solution, SolveOptions, Step, polish, solve
+from ddgfab.optimize.solve import missed_words
 from ddgfab.optimize.terms import (
     boundary_glide,
     circularity_terms,
-    closeness,
     cone_terms,
     conicality_terms,
-    fairness,
     planarity_terms,
 )
+from ddgfab.optimize.trials import RecipeOptions, StageProgress, Task, Trial, climb
 
 Boundary = Literal["free", "glide", "fixed"]
 """What boundary vertices may do."""
 
-
-@dataclass(frozen=True)
-class RecipeOptions:
-    """How recipes run; every field may be left as it is."""
-
-    tolerance: float = 1e-12
-    """Greatest residual of planarity (part of the diagonal) and of angles [rad] aimed at."""
-    accepted: float = 1e-10
-    """Greatest residual that a result may keep; above, `OptimizeError`."""
-    angle_slack: float = float(np.radians(10.0))
-    """Corner angles may leave the input's range by this much [rad]."""
-    roughness_slack: float = 0.01
-    """Polylines may bend more than the input's by this part."""
-    search_faces: int = 5_000
-    """Meshes with more faces take the first stiffness that works."""
-    max_steps: int = 25
-    """Steps for a stiffness."""
+_FAR = 0.1
+"""Movements beyond this part of the mesh's diameter change the design, not only its faces."""
 
 
-@dataclass(frozen=True)
-class _Stiffness:
-    """How far fairness reaches, as a part of the mesh's width, and how much bends are smoothed."""
-
-    reach: float
-    smoothing: float
-
-
-_LADDER = (
-    _Stiffness(0.05, 0.03),
-    _Stiffness(0.10, 0.10),
-    _Stiffness(0.10, 0.50),
-    _Stiffness(0.20, 0.30),
-    _Stiffness(0.10, 1.0),
-    _Stiffness(0.14, 1.0),
-    _Stiffness(0.20, 1.0),
-    _Stiffness(0.40, 1.0),
-)
-_FIRST = 1
-"""Where the ladder is entered."""
-
-
-@dataclass(frozen=True)
-class _Task:
-    """A recipe on a mesh whose centre is the origin and whose mean edge is one."""
-
-    goal: str
-    mesh: Mesh
-    hard: tuple[Term, ...]
-    fixed: Ints
-    features: Ints | None
-    options: RecipeOptions
-    iterative: bool
-    progress: Callable[[str, int, Step], None] | None
-
-    @property
-    def width(self) -> float:
-        """Edges across the mesh, about."""
-        return self.mesh.diameter / float(np.sqrt(2.0))
-
-
-@dataclass(frozen=True)
-class _Trial:
-    """What came of one stiffness."""
-
-    mesh: Mesh
-    residual: float
-    folded: Ints
-    remarks: tuple[str, ...]
-    history: tuple[tuple[str, Step], ...]
-
-    def rank(self, accepted: float) -> tuple[bool, int, int, float]:
-        """The smaller the better: goal met, folds, remarks, residual."""
-        return self.residual > accepted, len(self.folded), len(self.remarks), self.residual
-
-
-def _attempt(task: _Task, stiffness: _Stiffness, start: Mesh, before: Quality) -> _Trial:
-    """Solve with one stiffness from a start, then meet the hard terms to the last digit."""
-    mesh, options = task.mesh, task.options
-    stage = f"reach {stiffness.reach:g}, smoothing {stiffness.smoothing:g}"
-    problem = Problem.build(
-        mesh,
-        [
-            closeness(mesh, weight=(stiffness.reach * task.width) ** -4),
-            fairness(mesh, smoothing=stiffness.smoothing, features=task.features),
-            *task.hard,
-        ],
-        fixed=task.fixed,
-    ).with_start(start.vertices.ravel())
-    history: list[tuple[str, Step]] = []
-
-    def told(name: str) -> Progress:
-        def tell(number: int, step: Step) -> None:
-            history.append((name, step))
-            if task.progress is not None:
-                task.progress(name, number, step)
-
-        return tell
-
-    rough = SolveOptions(
-        max_steps=options.max_steps,
-        tolerance=_ROUGH if task.iterative else _FINE,
-        decrease=_DECREASE,
-        iterative=task.iterative,
-    )
-    last = SolveOptions(
-        max_steps=_LAST_STEPS, tolerance=options.tolerance, regularisation=_LAST_REGULARISATION
-    )
-    try:
-        found = solve(problem, rough, throw=False, progress=told(stage))
-        end = polish(
-            problem.with_start(found.value), last, throw=False, progress=told(stage + ", exact")
+def _run(
+    task: Task, original: Mesh, back: Callable[[Mesh], tuple[Mesh, Floats]], throw: bool
+) -> OptimizeResult:
+    """Try stiffnesses; carry the best mesh back to the unit and place of the input."""
+    best, history = climb(task)
+    failed = best.failed(task.options.accepted)
+    far = best.moved / task.mesh.diameter
+    remarks = best.remarks
+    if far > _FAR:
+        remarks += (
+            f"vertices move by up to {100 * far:.0f} % of the diameter: the design is far from "
+            "such a net; let its edges follow other directions",
         )
-    except DegenerateError:  # faces collapsed on the way: this stiffness leads nowhere
-        end = Solution(start.vertices.ravel(), "stalled", ())
-    return _judge(task, mesh.with_vertices(problem.vertices(end.value)), before, tuple(history))
-
-
-def _judge(
-    task: _Task, mesh: Mesh, before: Quality, history: tuple[tuple[str, Step], ...]
-) -> _Trial:
-    options, after = task.options, Quality.of(mesh)
-    remarks = []
-    low, high = before.angles
-    if after.angles[0] < low - options.angle_slack or after.angles[1] > high + options.angle_slack:
-        was = " to ".join(f"{np.degrees(a):.1f}" for a in before.angles)
-        now = " to ".join(f"{np.degrees(a):.1f}" for a in after.angles)
-        remarks.append(
-            f"corner angles {now} deg leave the range of the input, {was} deg, by more than "
-            f"{np.degrees(options.angle_slack):g} deg"
-        )
-    if after.fairness > before.fairness * (1 + options.roughness_slack) + _ROUND:
-        remarks.append(
-            f"polylines bend more than before: {after.fairness:.3g} of an edge, "
-            f"{before.fairness:.3g} in the input (root mean square)"
-        )
-    residual = max(float(np.abs(t.residual(mesh.vertices.ravel())).max()) for t in task.hard)
-    return _Trial(mesh, residual, folded_faces(mesh, task.mesh), tuple(remarks), history)
-
-
-_ROUGH = 1e-4
-"""Residual at which conjugate gradients hand over to exact steps."""
-_FINE = 1e-8
-"""Residual at which factored steps do."""
-_DECREASE = 1e-2
-"""The wishes have come to rest when a step improves them by less than this part."""
-_LAST_STEPS = 12
-_LAST_REGULARISATION = 1e-13
-"""For the exact steps: their equations are dependent only on flat or closed meshes."""
-_ROUND = 1e-9
-"""Roughness that is rounding."""
-
-
-def _climb(
-    task: _Task, ladder: tuple[_Stiffness, ...], first: int
-) -> tuple[_Trial, tuple[tuple[str, Step], ...]]:
-    """The best trial and all steps: stiffer until one is good, then gentler while they are."""
-    accepted = task.options.accepted
-
-    def good(trial: _Trial) -> bool:
-        return trial.rank(accepted)[:3] == (False, 0, 0)
-
-    before = Quality.of(task.mesh)
-    trials: list[_Trial] = []
-    rung = first
-    for rung in range(first, len(ladder)):
-        trials.append(_attempt(task, ladder[rung], task.mesh, before))
-        if good(trials[-1]):
-            break
-    if good(trials[-1]) and task.mesh.n_faces <= task.options.search_faces:
-        for gentler in reversed(range(rung)):
-            trials.append(_attempt(task, ladder[gentler], trials[-1].mesh, before))
-            if not good(trials[-1]):
-                break
-    works = [trial for trial in trials if good(trial)]
-    best = works[-1] if works else min(trials, key=lambda trial: trial.rank(accepted))
-    return best, tuple(step for trial in trials for step in trial.history)
-
-
-def _run(task: _Task, original: Mesh, back: Callable[[Mesh], Mesh], throw: bool) -> OptimizeResult:
-    """Climb the ladder, carry the best mesh back to the unit of the input, judge it there."""
-    best, history = _climb(task, _LADDER, _FIRST)
-    accepted, folded = task.options.accepted, best.folded
-    failed = best.residual > accepted or len(folded) > 0
+    mesh, rounded = back(best.mesh)
+    residual = _residual(task.hard, rounded)
     result = OptimizeResult(
         task.goal,
-        back(best.mesh),
+        mesh,
         original,
         "missed" if failed else "converged",
         history,
-        best.residual,
-        best.remarks,
+        residual,
+        remarks,
     )
     if failed and throw:
         raise OptimizeError(_complaint(task, best), result=result)
     return result
 
 
-def _complaint(task: _Task, best: _Trial) -> str:
+def _residual(hard: tuple[Term, ...], vertices: Floats) -> float:
+    """Greatest residual of hard terms."""
+    return max((float(np.abs(t.residual(vertices.ravel())).max()) for t in hard), default=0.0)
+
+
+def _complaint(task: Task, best: Trial) -> str:
     """Worst elements, limits, and what pulls against the goal."""
     accepted, x = task.options.accepted, best.mesh.vertices.ravel()
-    lines = []
-    for term in task.hard:
-        values = np.abs(term.residual(x))
-        if values.max() > accepted:
-            elements = getattr(term, "elements", None)
-            order = np.argsort(-values, kind="stable")
-            ids = order if elements is None else elements[order]
-            worst = list(dict.fromkeys(ids[: 4 * _NAMED].tolist()))[:_NAMED]
-            lines.append(
-                f"{term.name} stays at {values.max():.2g} (limit {accepted:g}), worst at "
-                f"{getattr(term, 'of', 'row')} {', '.join(map(str, worst))}"
-            )
+    lines = [words for term in task.hard if (words := missed_words(term, x, accepted))]
     if len(best.folded):
-        names = ", ".join(map(str, best.folded[:_NAMED].tolist()))
+        names = ", ".join(map(str, best.folded[:5].tolist()))
         lines.append(f"{len(best.folded)} faces fold: {names}")
     held = len(task.fixed)
     way = (
@@ -259,31 +79,23 @@ def _complaint(task: _Task, best: _Trial) -> str:
     )
     return (
         f"{task.goal}: {'; '.join(lines)}\n{way}\n"
-        f"the best mesh reached moves vertices by {_moved(task, best):.3g} mean edges at most; it "
+        f"the best mesh reached moves vertices by {best.moved:.3g} mean edges at most; it "
         "is kept apart and not taken"
     )
-
-
-_NAMED = 5
-"""How many of the worst elements a message names."""
-
-
-def _moved(task: _Task, trial: _Trial) -> float:
-    return float(np.linalg.norm(trial.mesh.vertices - task.mesh.vertices, axis=1).max())
 
 
 def _recipe(
     goal: str,
     mesh: Mesh,
     terms: Callable[[Mesh], tuple[Term, ...]],
-    iterative: bool,
+    smooth: bool,
     *,
     fixed: Sequence[int] | Ints,
     boundary: Boundary,
     features: Sequence[int] | Ints | None,
     options: RecipeOptions | None,
     throw: bool,
-    progress: Callable[[str, int, Step], None] | None,
+    progress: StageProgress | None,
 ) -> OptimizeResult:
     if boundary not in get_args(Boundary):
         raise InputError(f"boundary {boundary!r}; one of {', '.join(get_args(Boundary))}")
@@ -298,24 +110,25 @@ def _recipe(
     elif boundary == "glide":
         sliding, corners = boundary_glide(small, np.setdiff1d(rim, held))
         hard, held = (*hard, *sliding), np.union1d(held, corners)
-    met = max((float(np.abs(t.residual(small.vertices.ravel())).max()) for t in hard), default=0.0)
+    met = _residual(hard, small.vertices)
     if met <= chosen.tolerance:
         return OptimizeResult(goal, mesh, mesh, "converged", (), met)
-    task = _Task(
+    task = Task(
         goal,
         small,
         hard,
         held,
         None if features is None else _ids(features, mesh.n_edges, "feature edge"),
         chosen,
-        iterative,
+        mesh.n_faces > _FACTORED or (smooth and boundary == "free"),
         progress,
     )
 
-    def back(found: Mesh) -> Mesh:
+    def back(found: Mesh) -> tuple[Mesh, Floats]:
+        """The mesh in its unit, and what rounding there made of the coordinates here."""
         points = found.vertices * unit + centre
         points[held] = mesh.vertices[held]
-        return mesh.with_vertices(points)
+        return mesh.with_vertices(points), (points - centre) / unit
 
     return _run(task, mesh, back, throw)
 
@@ -337,7 +150,7 @@ def planarize(
     features: Sequence[int] | Ints | None = None,
     options: RecipeOptions | None = None,
     throw: bool = True,
-    progress: Callable[[str, int, Step], None] | None = None,
+    progress: StageProgress | None = None,
 ) -> OptimizeResult:
     """Planar faces: quads, hexagons, any polygons; triangles are planar already.
 
@@ -384,7 +197,7 @@ def circularize(
     features: Sequence[int] | Ints | None = None,
     options: RecipeOptions | None = None,
     throw: bool = True,
-    progress: Callable[[str, int, Step], None] | None = None,
+    progress: StageProgress | None = None,
 ) -> OptimizeResult:
     """Planar faces with their corners on circles; triangles have a circle already.
 
@@ -396,7 +209,7 @@ def circularize(
         "circularize",
         mesh,
         lambda m: (*planarity_terms(m), *circularity_terms(m)),
-        mesh.n_faces > _FACTORED,
+        False,
         fixed=fixed,
         boundary=boundary,
         features=features,
@@ -414,7 +227,7 @@ def conicalize(
     features: Sequence[int] | Ints | None = None,
     options: RecipeOptions | None = None,
     throw: bool = True,
-    progress: Callable[[str, int, Step], None] | None = None,
+    progress: StageProgress | None = None,
 ) -> OptimizeResult:
     """Planar faces that touch a cone of revolution at every inner vertex.
 
@@ -429,7 +242,7 @@ def conicalize(
         "conicalize",
         mesh,
         lambda m: (*planarity_terms(m), *conicality_terms(m), *cone_terms(m)),
-        mesh.n_faces > _FACTORED,
+        False,
         fixed=fixed,
         boundary=boundary,
         features=features,
@@ -440,4 +253,5 @@ def conicalize(
 
 
 _FACTORED = 20_000
-"""Up to this number of faces, angles are solved for with factored systems: fewer, surer steps."""
+"""Up to this number of faces, angles and curves are solved for with factored systems: fewer, surer
+steps. Planarity alone suits conjugate gradients at any size."""

@@ -41,6 +41,8 @@ class SolveOptions:
     """Conjugate gradient iterations in a step."""
     iterative: bool = True
     """Conjugate gradients where the soft terms allow them; otherwise always factor the system."""
+    backend: str | None = None
+    """Package that factors, of `SymmetricSolver.available`; the fastest by default."""
 
 
 @dataclass(frozen=True)
@@ -127,10 +129,10 @@ class _Stepper:
 
     def __init__(self, problem: Problem, options: SolveOptions) -> None:
         self._options = options
-        self._solver = SymmetricSolver()
+        self._solver = SymmetricSolver(options.backend)
         self._metric = None
         if options.iterative and any(t.hard for t in problem.terms):
-            self._metric = FairMetric.of(problem, options.damping)
+            self._metric = FairMetric.of(problem, options.damping, options.backend)
 
     @property
     def damped(self) -> bool:
@@ -226,7 +228,7 @@ def polish(
     Source: the dual Gauss-Newton method; Nocedal, Wright 2006, section 10.3.
     """
     chosen = options or SolveOptions()
-    solver = SymmetricSolver()
+    solver = SymmetricSolver(chosen.backend)
     only = Problem(
         problem.mesh,
         problem.layout,
@@ -306,14 +308,28 @@ def _search(
 
 
 def _words(problem: Problem, state: _State, status: str, steps: int, options: SolveOptions) -> str:
-    worst = []
-    for term in problem.terms:
-        if term.hard:
-            values = np.abs(term.residual(state.x))
-            if len(values) and values.max() > options.tolerance:
-                worst.append(f"{term.name} {values.max():.2g} (row {int(values.argmax())})")
-    missed = f"; not met: {', '.join(worst)} (limit {options.tolerance:g})" if worst else ""
+    missed = [missed_words(term, state.x, options.tolerance) for term in problem.terms if term.hard]
+    found = "; ".join(words for words in missed if words)
     return (
-        f"optimisation {status} after {steps} steps{missed}\n"
+        f"optimisation {status} after {steps} steps{': ' if found else ''}{found}\n"
         "hard terms may contradict each other: free some vertices, or make one of them soft"
     )
+
+
+def missed_words(term: Term, x: Floats, limit: float) -> str:
+    """By how much a hard term is missed and at which elements; empty when it is met."""
+    values = np.abs(term.residual(x))
+    if values.max(initial=0.0) <= limit:
+        return ""
+    elements = getattr(term, "elements", None)
+    order = np.argsort(-values, kind="stable")[: 4 * _NAMED]
+    ids = order if elements is None else elements[order]
+    worst = list(dict.fromkeys(ids.tolist()))[:_NAMED]
+    return (
+        f"{term.name} stays at {values.max():.2g} (limit {limit:g}), worst at "
+        f"{getattr(term, 'of', 'row')} {', '.join(map(str, worst))}"
+    )
+
+
+_NAMED = 5
+"""How many of the worst elements a message names."""

@@ -1,0 +1,211 @@
+"""Trials of stiffnesses: what recipes have in common.
+
+A trial solves for hard terms (planar faces, ...) with closeness and fairness as wishes. Trials go
+from a gentle stiffness (small movements, fair over few edges) to stiff ones (fair over much of the
+mesh), until the result keeps what the input had: no folded faces, corner angles, smoothness. From
+the first stiffness that works they go back towards gentler ones, each starting at the result
+before, as long as they work too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ddgfab.errors import DegenerateError
+from ddgfab.mesh import Ints, Mesh
+from ddgfab.optimize.problem import Problem, Term
+from ddgfab.optimize.quality import Quality, folded_faces
+from ddgfab.optimize.solve import Progress, Solution, SolveOptions, Step, polish, solve
+from ddgfab.optimize.terms import closeness, fairness
+
+StageProgress = Callable[[str, int, Step], None]
+"""Called with the name of a stage, the number of a step and the step."""
+
+
+@dataclass(frozen=True)
+class RecipeOptions:
+    """How recipes run; every field may be left as it is."""
+
+    tolerance: float = 1e-12
+    """Greatest residual of planarity (part of the diagonal) and of angles [rad] aimed at."""
+    accepted: float = 1e-10
+    """Greatest residual that a result may keep; above, `OptimizeError`."""
+    angle_slack: float = float(np.radians(10.0))
+    """Corner angles may leave the input's range by this much [rad], not to become needles."""
+    roughness_slack: float = 0.01
+    """Polylines may bend more than the input's by this part."""
+    search_faces: int = 5_000
+    """Meshes with more faces take the first stiffness that works."""
+    max_steps: int = 25
+    """Steps for a stiffness."""
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """How far fairness reaches, as a part of the mesh's width, and how much bends are smoothed."""
+
+    reach: float
+    smoothing: float
+
+
+_LADDER = (
+    Stiffness(0.05, 0.03),
+    Stiffness(0.10, 0.10),
+    Stiffness(0.10, 0.50),
+    Stiffness(0.20, 0.30),
+    Stiffness(0.10, 1.0),
+    Stiffness(0.14, 1.0),
+    Stiffness(0.20, 1.0),
+    Stiffness(0.40, 1.0),
+)
+_FIRST = 1
+"""Where the ladder is entered."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A recipe on a mesh whose centre is the origin and whose mean edge is one."""
+
+    goal: str
+    mesh: Mesh
+    hard: tuple[Term, ...]
+    fixed: Ints
+    features: Ints | None
+    options: RecipeOptions
+    iterative: bool
+    progress: StageProgress | None
+
+    @property
+    def width(self) -> float:
+        """Edges across the mesh, about."""
+        return self.mesh.diameter / float(np.sqrt(2.0))
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What came of one stiffness."""
+
+    mesh: Mesh
+    residual: float
+    moved: float
+    """Greatest movement of a vertex."""
+    folded: Ints
+    remarks: tuple[str, ...]
+    history: tuple[tuple[str, Step], ...]
+
+    def failed(self, accepted: float) -> bool:
+        """Whether hard terms are missed, or faces folded."""
+        return not self.residual <= accepted or len(self.folded) > 0
+
+    def rank(self, accepted: float) -> tuple[bool, int, int, float]:
+        """The smaller the better: goal met, folds, wishes not granted, movement or residual."""
+        missed = not self.residual <= accepted
+        last = self.residual if missed else self.moved
+        return missed, len(self.folded), len(self.remarks), last
+
+
+def _attempt(task: Task, stiffness: Stiffness, start: Mesh, before: Quality) -> Trial:
+    """Solve with one stiffness from a start, then meet the hard terms to the last digit."""
+    mesh, options = task.mesh, task.options
+    stage = f"reach {stiffness.reach:g}, smoothing {stiffness.smoothing:g}"
+    problem = Problem.build(
+        mesh,
+        [
+            closeness(mesh, weight=(stiffness.reach * task.width) ** -4),
+            fairness(mesh, smoothing=stiffness.smoothing, features=task.features),
+            *task.hard,
+        ],
+        fixed=task.fixed,
+    ).with_start(start.vertices.ravel())
+    history: list[tuple[str, Step]] = []
+
+    def told(name: str) -> Progress:
+        def tell(number: int, step: Step) -> None:
+            history.append((name, step))
+            if task.progress is not None:
+                task.progress(name, number, step)
+
+        return tell
+
+    rough = SolveOptions(
+        max_steps=options.max_steps,
+        tolerance=_ROUGH if task.iterative else _FINE,
+        decrease=_DECREASE,
+        iterative=task.iterative,
+    )
+    last = SolveOptions(
+        max_steps=_LAST_STEPS, tolerance=options.tolerance, regularisation=_LAST_REGULARISATION
+    )
+    try:
+        found = solve(problem, rough, throw=False, progress=told(stage))
+        end = polish(
+            problem.with_start(found.value), last, throw=False, progress=told(stage + ", exact")
+        )
+    except DegenerateError:  # faces collapsed on the way: this stiffness leads nowhere
+        end = Solution(start.vertices.ravel(), "stalled", ())
+    return _judge(task, mesh.with_vertices(problem.vertices(end.value)), before, tuple(history))
+
+
+def _judge(task: Task, mesh: Mesh, before: Quality, history: tuple[tuple[str, Step], ...]) -> Trial:
+    options, after = task.options, Quality.of(mesh)
+    remarks = []
+    low, high = before.angles
+    least = max(low - options.angle_slack, min(low, _SHARP))
+    most = min(high + options.angle_slack, max(high, np.pi - _SHARP))
+    if after.angles[0] < least or after.angles[1] > most:
+        was = " to ".join(f"{np.degrees(a):.1f}" for a in before.angles)
+        now = " to ".join(f"{np.degrees(a):.1f}" for a in after.angles)
+        remarks.append(
+            f"corner angles {now} deg; {was} deg in the input, wanted "
+            f"{np.degrees(least):.1f} to {np.degrees(most):.1f} deg"
+        )
+    if after.fairness > before.fairness * (1 + options.roughness_slack) + _ROUND:
+        remarks.append(
+            f"polylines bend more than before: {after.fairness:.3g} of an edge, "
+            f"{before.fairness:.3g} in the input (root mean square)"
+        )
+    residual = max(float(np.abs(t.residual(mesh.vertices.ravel())).max()) for t in task.hard)
+    moved = float(np.linalg.norm(mesh.vertices - task.mesh.vertices, axis=1).max())
+    return Trial(mesh, residual, moved, folded_faces(mesh, task.mesh), tuple(remarks), history)
+
+
+_ROUGH = 1e-4
+"""Residual at which conjugate gradients hand over to exact steps."""
+_FINE = 1e-8
+"""Residual at which factored steps do."""
+_DECREASE = 1e-2
+"""The wishes have come to rest when a step improves them by less than this part."""
+_LAST_STEPS = 12
+_LAST_REGULARISATION = 1e-13
+"""For the exact steps: their equations are dependent only on flat or closed meshes."""
+_SHARP = float(np.radians(10.0))
+"""Corners nearer to 0 or pi [rad] are wanted only where the input has such."""
+_ROUND = 1e-9
+"""Roughness that is rounding."""
+
+
+def climb(task: Task) -> tuple[Trial, tuple[tuple[str, Step], ...]]:
+    """The best trial and all steps: stiffer until one is good, then gentler while they are."""
+    accepted = task.options.accepted
+
+    def good(trial: Trial) -> bool:
+        return not trial.failed(accepted) and not trial.remarks
+
+    before = Quality.of(task.mesh)
+    trials: list[Trial] = []
+    rung = _FIRST
+    for rung in range(_FIRST, len(_LADDER)):
+        trials.append(_attempt(task, _LADDER[rung], task.mesh, before))
+        if good(trials[-1]):
+            break
+    if good(trials[-1]) and task.mesh.n_faces <= task.options.search_faces:
+        for gentler in reversed(range(rung)):
+            trials.append(_attempt(task, _LADDER[gentler], trials[-1].mesh, before))
+            if not good(trials[-1]):
+                break
+    works = [trial for trial in trials if good(trial)]
+    best = works[-1] if works else min(trials, key=lambda trial: trial.rank(accepted))
+    return best, tuple(step for trial in trials for step in trial.history)
