@@ -6,7 +6,7 @@ from typing import Final
 
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkspecs import Label, LinkShape
-from fabrication.solids.link import label_room
+from fabrication.solids.linkframe import label_room
 from fabrication.solids.text import ROWS, text_size
 
 HEIGHT: Final = 4.0
