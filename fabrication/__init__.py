@@ -1,6 +1,7 @@
-"""fabrication: from a discrete surface to parts, checks and files.
+"""fabrication: from a discrete surface or a linkage to parts, checks and files.
 
-`design` and what it gives are imported when first used, so that the command line starts at once.
+`design`, `kit` and what they give are imported when first used, so that the command line starts at
+once.
 """
 
 from __future__ import annotations
@@ -9,15 +10,20 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fabrication.designs import Design, design
+    from fabrication.kits.job import make_kit
+    from fabrication.kits.kit import Kit, kit
     from fabrication.pipeline import JobResult, make
 
-__all__ = ["Design", "JobResult", "design", "make"]
+__all__ = ["Design", "JobResult", "Kit", "design", "kit", "make", "make_kit"]
 
 _HOMES = {
     "Design": "fabrication.designs",
     "design": "fabrication.designs",
     "JobResult": "fabrication.pipeline",
     "make": "fabrication.pipeline",
+    "Kit": "fabrication.kits.kit",
+    "kit": "fabrication.kits.kit",
+    "make_kit": "fabrication.kits.job",
 }
 
 

@@ -26,7 +26,16 @@ GENERATOR: Final = "ddgfab"
 PLACEMENT_DIGITS: Final = 12
 """Decimals of placements [1 and mm] in the manifest."""
 
-_LIBRARIES: Final = ("numpy", "scipy", "cadquery-ocp", "build123d", "cadquery", "manifold3d")
+_LIBRARIES: Final = (
+    "numpy",
+    "scipy",
+    "cadquery-ocp",
+    "build123d",
+    "cadquery",
+    "manifold3d",
+    "plotly",
+    "rectpack",
+)
 
 
 def part_record(

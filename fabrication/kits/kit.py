@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.linkages import Mechanism
@@ -166,7 +167,7 @@ class Kit:
         """(count,) driving angles [rad] through the free range, ends included."""
         return np.linspace(self.motion.low, self.motion.high, count)
 
-    def motions(self, angles: Floats) -> dict[str, Floats]:
+    def motions(self, angles: ArrayLike) -> dict[str, Floats]:
         """Placements (T, 4, 4) by mark of the pieces that move, at (T,) driving angles [rad].
 
         They are those of the part number's shape, as in the families' instances.

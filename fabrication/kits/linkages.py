@@ -68,14 +68,15 @@ class CubeLinkage(Section):
     twists_deg : of the bars of the three directions, all different
     longest_mm : length of the longest bars; the others follow from the twists
     corners_deg : angles at hinge 0 in the design pose, from its bar of direction 0 to the others
-    rates : how the two angles move along the path; [1, 0] locks the second, [1, -1] opens both
+    rates : how the two angles move along the path, in proportion; [1, 0] locks the second, [1, -1]
+        opens both alike. The default is a way on which the bars stay clear of each other longest
     """
 
     kind: Literal["cube"] = "cube"
-    twists_deg: tuple[Twist, Twist, Twist] = Field(default=(60.0, 100.0, 30.0), strict=False)
-    longest_mm: Positive = 140.0
-    corners_deg: tuple[Finite, Finite] = Field(default=(90.0, -90.0), strict=False)
-    rates: tuple[Finite, Finite] = Field(default=(1.0, 0.0), strict=False)
+    twists_deg: tuple[Twist, Twist, Twist] = Field(default=(58.0, 131.0, 50.0), strict=False)
+    longest_mm: Positive = 110.0
+    corners_deg: tuple[Finite, Finite] = Field(default=(123.0, 45.0), strict=False)
+    rates: tuple[Finite, Finite] = Field(default=(8.0, -5.0), strict=False)
 
     def mechanism(self, folder: Path | None = None) -> Mechanism:
         """The mechanism; raises `InputError` where the twists make isograms that only fold."""

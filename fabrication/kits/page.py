@@ -198,7 +198,9 @@ def _sections(page: Page) -> str:
 
 def _table(table: Table) -> str:
     columns = [name for name in table.columns if EXACT not in name]
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
+    head = "".join(
+        f"<th{_side(table, name)}>{html.escape(name.replace('_', ' '))}</th>" for name in columns
+    )
     body = "".join(
         "<tr>" + "".join(_cell(row.get(name), name) for name in columns) + "</tr>" for row in table
     )
@@ -208,13 +210,22 @@ def _table(table: Table) -> str:
     )
 
 
+def _side(table: Table, column: str) -> str:
+    """Headings of numbers stand above them, on the right."""
+    numbers = (
+        bool(isinstance(v, int | float) and not isinstance(v, bool)) for v in table.column(column)
+    )
+    return ' class="n"' if any(numbers) else ""
+
+
 def _cell(value: Any, column: str) -> str:
     if value is None:
         return "<td></td>"
     if isinstance(value, bool):
         return f"<td>{'yes' if value else 'no'}</td>"
     if isinstance(value, float):
-        return f'<td class="n">{value:.{min(decimals(column), 3)}f}</td>'
+        places = min(decimals(column), 3)
+        return f'<td class="n">{round(value, places) + 0.0:.{places}f}</td>'
     if isinstance(value, int):
         return f'<td class="n">{value}</td>'
     return f"<td>{html.escape(str(value))}</td>"
