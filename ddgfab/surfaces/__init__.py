@@ -8,7 +8,13 @@ from ddgfab.surfaces.ellipsoid import (
     ellipsoid_patch,
     ellipsoid_umbilics,
 )
-from ddgfab.surfaces.k_closed import breather_lines, dini_lines, kuen_lines, pseudosphere_lines
+from ddgfab.surfaces.k_closed import (
+    breather_lines,
+    dini_lines,
+    kuen_lines,
+    pseudosphere_lines,
+    rotational_lines,
+)
 from ddgfab.surfaces.k_surfaces import (
     KSurface,
     amsler,
@@ -55,6 +61,7 @@ __all__ = [
     "permute",
     "pseudosphere",
     "pseudosphere_lines",
+    "rotational_lines",
     "sine_gordon_defect",
     "smooth_catenoid",
     "smooth_enneper",

@@ -23,6 +23,7 @@ from ddgfab.surfaces import (
     kuen_lines,
     pseudosphere,
     pseudosphere_lines,
+    rotational_lines,
     soliton,
     surface_of,
 )
@@ -119,6 +120,7 @@ def test_kuen_is_the_limit_of_breathers() -> None:
         (lambda u, v: dini_lines(u, v, SIGMA), (0.6, 0.0), (2.0, 3.0)),
         (kuen_lines, (1.8, 1.2), (3.5, 1.9)),
         (lambda u, v: breather_lines(u, v, 0.4), (0.5, 2.0), (1.0, 2.4)),
+        (lambda u, v: rotational_lines(u, v, 0.7), (-0.8, 0.0), (0.9, 3.0)),
     ],
 )
 def test_brioschi_finds_curvature_minus_one(
@@ -198,5 +200,9 @@ def test_bad_input() -> None:
         kuen(np.nan, 0.0)
     with pytest.raises(InputError, match="rate of a breather"):
         breather_lines(0.0, 0.0, 1.5)
+    with pytest.raises(InputError, match=r"u = -1\.5 is beyond the rim at 0\.88137"):
+        rotational_lines([0.2, -1.5], 0.0, 1.0)
+    with pytest.raises(InputError, match="the waist is 0"):
+        rotational_lines(0.0, 0.0, 0.0)
     with pytest.raises(InputError, match="sigma = 0"):
         dini_lines(0.0, 0.0, 0.0)

@@ -7,11 +7,19 @@ import pytest
 
 from ddgfab.curvature import skew_curvature
 from ddgfab.mesh import Floats
-from ddgfab.nets import KNet, hirota_potential, knet, pseudosphere
+from ddgfab.nets import KNet, crab_net, hirota_potential, knet, pseudosphere
 from ddgfab.nets import amsler as amsler_net
 from ddgfab.nets import breather as breather_net
 from ddgfab.nets import dini as dini_net
-from ddgfab.surfaces import amsler, amsler_angle, breather, dini, soliton, surface_of
+from ddgfab.surfaces import (
+    amsler,
+    amsler_angle,
+    breather,
+    dini,
+    rotational_lines,
+    soliton,
+    surface_of,
+)
 
 
 def orders(errors: list[float]) -> Floats:
@@ -87,6 +95,24 @@ def test_closed_forms_tend_to_their_surfaces_with_order_two(kind: str) -> None:
         errors.append(float(np.abs(net.points - smooth.points).max()))
         assert np.abs(net.normals - smooth.normals).max() < 3 * errors[-1]
     assert orders(errors) == pytest.approx([2.0, 2.0], abs=0.05)
+
+
+def test_crab_nets_tend_to_waisted_surfaces() -> None:
+    """From a ring of horizontal normals: waist and rings against the smooth ones, second order.
+
+    Both keep radius^2 - cos^2 of the normals' angle with the axis: the waist's square.
+    """
+    waist, widths, heights = 0.8, [], []
+    for n in (20, 40, 80):
+        delta = np.pi / n * np.hypot(1.0, waist)  # a step up and half a step round, at the waist
+        net = crab_net(n, delta, np.pi / 2, n // 4 + 1)
+        assert np.ptp(net.radii**2 - np.cos(net.thetas) ** 2) < 1e-13
+        widths.append(abs(float(net.radii[0]) - waist))
+        u = np.arccosh(net.radii[1:] / net.radii[0])
+        smooth = rotational_lines(u, 0.0, float(net.radii[0]))
+        heights.append(float(np.abs(net.heights[1:] - smooth[:, 2]).max()))
+    assert orders(widths) == pytest.approx([2.0, 2.0], abs=0.05)
+    assert orders(heights) == pytest.approx([2.0, 2.0], abs=0.1)
 
 
 def test_hirota_equation_tends_to_sine_gordon() -> None:
