@@ -19,7 +19,7 @@ from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.nets.generators import GENERATORS
 from ddgfab.nets.registry import find_generator, generate
-from ddgfab.optimize import Goal, OptimizeResult, optimize
+from ddgfab.optimize import Goal, OptimizeResult, TorsionFreeResult, optimize
 from ddgfab.support import SupportKind, SupportStructure, support_structure
 from fabrication.detailing import Gridshell, detail
 from fabrication.families import families
@@ -192,7 +192,10 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     stop("measure")
     start("support structure")
     support = support_structure(
-        net.mesh, support_kind(project), lean_limit_deg=project.support.lean_limit_deg
+        net.mesh,
+        support_kind(project),
+        axes=optimized.axes if isinstance(optimized, TorsionFreeResult) else None,
+        lean_limit_deg=project.support.lean_limit_deg,
     )
     stop("support structure")
     start("detail")
@@ -224,8 +227,18 @@ def optimise(
         boundary="fixed" if settings.fix == "boundary" else settings.boundary,
         feature_angle=None if angle is None else math.radians(angle),
         max_movement=settings.max_movement_mm,
+        **_own_options(settings),
         progress=lambda stage, number, step: tell(f"optimise: {stage}", number, 0),
     )
+
+
+def _own_options(settings: OptimizeSettings) -> dict[str, Any]:
+    """What only one goal takes."""
+    if settings.goal == "torsion-free" and settings.max_lean_deg is not None:
+        return {"max_lean": math.radians(settings.max_lean_deg)}
+    if settings.goal == "families":
+        return {"of": settings.families_of, "fit_tolerance": settings.fit_tolerance_mm}
+    return {}
 
 
 def support_kind(project: Project) -> SupportKind:
@@ -281,7 +294,7 @@ def _notes(project: Project) -> tuple[str, ...]:
     if support_kind(project) != "normals" or "kind" in project.support.model_fields_set:
         return ()
     return (
-        f'[net] kind = "{project.net.kind}" follows asymptotic lines: no upright axes are free of torsion, so '
-        "node axes are the surface normals and every beam twists between its ends ([checks] "
-        "torsion_deg says how far it may)",
+        f'[net] kind = "{project.net.kind}" follows asymptotic lines: no upright axes are free of '
+        "torsion, so node axes are the surface normals and every beam twists between its ends "
+        "([checks] torsion_deg says how far it may)",
     )

@@ -10,18 +10,26 @@ import numpy as np
 from ddgfab.errors import InputError, OptimizeError
 from ddgfab.measures import dihedral_angles
 from ddgfab.mesh import Ints, Mesh
+from ddgfab.optimize.families import families
 from ddgfab.optimize.recipes import Boundary, circularize, conicalize, planarize
 from ddgfab.optimize.result import OptimizeResult
 from ddgfab.optimize.solve import Step
+from ddgfab.optimize.torsion_free import torsion_free
 
-Goal: TypeAlias = Literal["planar", "circular", "conical"]
-"""What a mesh can be made: planar faces, a circular net, a conical net."""
+Goal: TypeAlias = Literal["planar", "circular", "conical", "torsion-free", "families"]
+"""What a mesh can be made: planar faces, a circular net, a conical net, planar faces with upright
+torsion-free node axes, fewer families of congruent pieces."""
 
 _RECIPES: dict[str, Callable[..., OptimizeResult]] = {
     "planar": planarize,
     "circular": circularize,
     "conical": conicalize,
+    "torsion-free": torsion_free,
+    "families": families,
 }
+
+_AIMS_AT_MOVEMENT = ("torsion-free", "families")
+"""Recipes that take the greatest movement as a goal of their own."""
 
 
 def optimize(
@@ -40,7 +48,7 @@ def optimize(
 
     Parameters
     ----------
-    goal : "planar", "circular", "conical"
+    goal : "planar", "circular", "conical", "torsion-free", "families"
     fixed : ids of vertices that stay
     boundary : "free", "glide" along itself, or "fixed"
     feature_angle : edges whose faces meet at a larger angle [rad] are features, across which the
@@ -48,7 +56,8 @@ def optimize(
     max_movement : greatest movement of a vertex, in the unit of the mesh
     throw : raise when the goal is missed; otherwise the best mesh comes back with its status
     progress : called with the name of the stage, the number of the step and the step
-    options : what the goal's own recipe takes besides
+    options : what the goal's own recipe takes besides, for instance ``max_lean`` [rad] and
+        ``axes_only`` of "torsion-free", ``of`` and ``fit_tolerance`` of "families"
 
     Raises
     ------
@@ -58,7 +67,7 @@ def optimize(
     InputError
         An unknown goal, an id out of range, a limit that is not positive.
 
-    Source: the recipe's own; see `planarize`, `circularize`, `conicalize`.
+    Source: the recipe's own: `planarize`, `circularize`, `conicalize`, `torsion_free`, `families`.
     """
     if goal not in _RECIPES:
         raise InputError(f'goal "{goal}" is unknown; one of {", ".join(get_args(Goal))}')
@@ -68,6 +77,8 @@ def optimize(
     if feature_angle is not None:
         sharp = np.abs(dihedral_angles(mesh)) > feature_angle
         features = np.flatnonzero(sharp & ~mesh.boundary_edge)
+    if goal in _AIMS_AT_MOVEMENT:
+        options["max_movement"] = max_movement
     result = _RECIPES[goal](
         mesh,
         fixed=fixed,

@@ -6,10 +6,16 @@ from typing import Any, Final
 
 import numpy as np
 
+from ddgfab.optimize.families import FamiliesResult
 from ddgfab.optimize.result import OptimizeResult
+from ddgfab.optimize.torsion_free import TorsionFreeResult
 
 WORST: Final = 5
 """How many of the vertices that moved furthest a report names."""
+
+
+TRIED: Final = ("lean_limit_deg", "movement_limit_edges", "lean_deg", "movement_edges")
+"""What each rung of the trade-off between lean and movement says; edges are mean edges."""
 
 
 def comparison(result: OptimizeResult) -> dict[str, Any]:
@@ -25,6 +31,7 @@ def comparison(result: OptimizeResult) -> dict[str, Any]:
         "movement_max": result.movement_max,
         "movement_mean": result.movement_mean,
         "movement_worst": [[int(v), float(result.movement[v])] for v in order],
+        **_own(result),
         "remarks": list(result.remarks),
         "before": result.before.to_dict(),
         "after": result.after.to_dict(),
@@ -38,6 +45,57 @@ def comparison(result: OptimizeResult) -> dict[str, Any]:
             for stage, step in result.history
         ],
     }
+
+
+def _own(result: OptimizeResult) -> dict[str, Any]:
+    """What only one goal has: node axes with their trade-off, or families."""
+    if isinstance(result, TorsionFreeResult):
+        support = result.support
+        return {
+            "torsion_deg_max": support.torsion_deg_max,
+            "lean_deg_max": support.lean_deg_max,
+            "lean_deg_mean": support.lean_deg_mean,
+            "lean_worst": [
+                [int(v), float(np.degrees(support.lean[v]))] for v in support.worst_vertices(WORST)
+            ],
+            "tried": [
+                dict(
+                    zip(
+                        ("lean_limit_deg", "movement_limit", "lean_deg", "movement"),
+                        row,
+                        strict=True,
+                    )
+                )
+                for row in np.asarray(result.tried, dtype=np.float64).tolist()
+            ],
+        }
+    if isinstance(result, FamiliesResult):
+        return {
+            "families_of": result.of,
+            "families_before": result.families_before,
+            "families_after": result.families,
+            "fit_tolerance": float(result.tolerance),
+        }
+    return {}
+
+
+def _own_lines(result: OptimizeResult) -> list[str]:
+    if isinstance(result, TorsionFreeResult):
+        support = result.support
+        worst = ", ".join(
+            f"{v} ({np.degrees(support.lean[v]):.1f})" for v in support.worst_vertices(WORST)
+        )
+        return [
+            f"node axes: torsion max {support.torsion_deg_max:.1e} deg; lean max "
+            f"{support.lean_deg_max:.1f}, mean {support.lean_deg_mean:.1f} deg, worst vertices "
+            f"{worst}"
+        ]
+    if isinstance(result, FamiliesResult):
+        return [
+            f"families of {result.of}s within {result.tolerance:.3g}: {result.families_before} "
+            f"before, {result.families} after"
+        ]
+    return []
 
 
 def comparison_text(result: OptimizeResult) -> str:
@@ -66,6 +124,7 @@ def comparison_text(result: OptimizeResult) -> str:
         f"movement: max {result.movement_max:.4g}, mean {result.movement_mean:.4g} {after.unit}; "
         f"furthest vertices {worst}"
     )
+    lines += _own_lines(result)
     lines.append(f"{len(result.history)} steps, residual {result.residual:.2g}")
     lines += [f"note: {remark}" for remark in result.remarks]
     return "\n".join(lines)

@@ -98,16 +98,28 @@ class Net(Section):
         return self
 
 
+OPTIMIZE_OPTIONS: Final = {
+    "max_lean_deg": "torsion-free",
+    "families_of": "families",
+    "fit_tolerance_mm": "families",
+}
+"""Keys of [optimize] that only one goal has."""
+
+
 class OptimizeSettings(Section):
     """[optimize]: what the mesh is made before anything is built on it.
 
     Attributes
     ----------
-    goal : "planar", "circular", "conical"; "none" leaves the mesh as it is
+    goal : "planar", "circular", "conical", "torsion-free" (planar faces and upright node axes),
+        "families" (fewer congruent pieces); "none" leaves the mesh as it is
     fix : "none", "boundary", or ids of vertices that stay
     boundary : what boundary vertices may do: "free", "glide" along the boundary, "fixed"
     feature_angle_deg : edges sharper than this are features, which need not stay smooth
     max_movement_mm : a vertex that would move further is an error
+    max_lean_deg : "torsion-free": greatest angle between node axis and surface normal
+    families_of : "families": of panels, or of edges by their length
+    fit_tolerance_mm : "families": pieces that agree within it are equal
     """
 
     goal: Literal["none"] | Goal = "none"
@@ -115,11 +127,17 @@ class OptimizeSettings(Section):
     boundary: Boundary = "free"
     feature_angle_deg: Degrees | None = None
     max_movement_mm: Positive | None = None
+    max_lean_deg: Annotated[float, Field(gt=0, le=90)] | None = None
+    families_of: Literal["panel", "edge"] = "panel"
+    fit_tolerance_mm: Positive | None = None
 
     @model_validator(mode="after")
     def _has_goal(self) -> OptimizeSettings:
         if self.model_fields_set and "goal" not in self.model_fields_set:
             raise ValueError(f"goal is missing; one of {', '.join(get_args(Goal))}")
+        for key, goal in OPTIMIZE_OPTIONS.items():
+            if key in self.model_fields_set and self.goal != goal:
+                raise ValueError(f'{key} is for goal = "{goal}", not for "{self.goal}"')
         return self
 
 
