@@ -26,7 +26,7 @@ def isogram_angles(points: Floats, axes: Floats, cells: Ints) -> Floats:
     corner, ahead, behind = (points[..., cells[:, k], :] for k in (0, 1, 3))
     a, b = ahead - corner, behind - corner
     sine = np.einsum("...i,...i->...", axes[..., cells[:, 0], :], np.cross(a, b))
-    return np.arctan2(sine, np.einsum("...i,...i->...", a, b))
+    return np.asarray(np.arctan2(sine, np.einsum("...i,...i->...", a, b)))
 
 
 def crossings(

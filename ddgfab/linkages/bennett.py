@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from ddgfab.errors import InputError
+from ddgfab.linkages.assemble import assemble
 from ddgfab.linkages.lattice import Grid, Lattice
 from ddgfab.linkages.lengths import positive_length, proper_twist, same_ratio, second_twist
 from ddgfab.linkages.mechanism import Mechanism
-from ddgfab.linkages.assemble import assemble
 
 FOLDED_RATIO = 1e-9
 """Below this value of tan(phi / 2) tan(psi / 2) the loop stays folded."""
@@ -40,8 +40,8 @@ def bennett(
     Parameters
     ----------
     a, b : lengths [mm]
-    alpha, beta : twists [rad], in (0, pi); at least one of b and beta is given; from b alone beta is
-        the acute one of the two
+    alpha, beta : twists [rad], in (0, pi); at least one of b and beta is given; from b alone beta
+        is the acute one of the two
     driver : driving angle of the design pose [rad], by default a right angle
 
     Raises

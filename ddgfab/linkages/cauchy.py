@@ -23,7 +23,7 @@ Numbers: TypeAlias = NDArray[Any]
 
 def dots(a: Numbers, b: Numbers) -> Numbers:
     """(..., 1) bilinear products over the last axis, also of complex vectors."""
-    return np.einsum("...i,...i->...", a, b)[..., None]
+    return np.asarray(np.einsum("...i,...i->...", a, b)[..., None])
 
 
 def walk(n: Numbers, edge: Numbers, deltas: Numbers, turns: Numbers, sign: float) -> Numbers:
@@ -103,7 +103,10 @@ def _fill(m: Numbers, d: int, anchor: Sequence[int], ways: tuple[int, ...]) -> N
         first = (front > 0).argmax(axis=0)
         rest = front > 0
         rest[first, np.arange(front.shape[1])] = False
-        i, j = np.eye(d, dtype=np.int64)[:, first], np.eye(d, dtype=np.int64)[:, rest.argmax(axis=0)]
+        i, j = (
+            np.eye(d, dtype=np.int64)[:, first],
+            np.eye(d, dtype=np.int64)[:, rest.argmax(axis=0)],
+        )
         low, m_i, m_j = (m[tuple(front - back)] for back in (i + j, j, i))
         across = m_j - m_i
         square = dots(across, across)
@@ -128,8 +131,6 @@ def points_of(m: Numbers, r: float, anchor: Sequence[int]) -> Numbers:
         edges = r * np.cross(part[1:], part[:-1])
         sums = np.concatenate([np.zeros_like(part[:1]), np.cumsum(edges, axis=0)])
         sums = sums - sums[anchor[k]]
-        start = tuple(
-            slice(None) if a < k else slice(anchor[a], anchor[a] + 1) for a in range(d)
-        )
+        start = tuple(slice(None) if a < k else slice(anchor[a], anchor[a] + 1) for a in range(d))
         x[layer] = np.moveaxis(sums, 0, k) + x[start]
     return x

@@ -6,6 +6,7 @@ of sines of theta_k +- theta_k+1. Source: maths.md 3.13.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -117,7 +118,7 @@ def _accelerations(drive: CrabDrive, models: list[Model], half: Floats) -> Float
     """
     c, s = np.cos(drive.gamma), np.sin(drive.gamma)
     out_rows, rise_rows = [], []
-    for low, high in zip(models[:-1], models[1:], strict=True):
+    for low, high in pairwise(models):
         bends = []
         for model in (high + low, high - low):
             first, second = model.speeds(half)

@@ -26,7 +26,8 @@ class Lattice:
     deltas : per direction, (n_k - 1,) angles of consecutive normals [rad]
     turns : per direction, (n_k - 2,) deviations of consecutive edges of the line through the
         anchor, at the design [rad]
-    corners : (d - 1,) angles at the anchor from the edge of direction 0 to that of direction k [rad]
+    corners : (d - 1,) angles at the anchor from the edge of direction 0 to that of direction k, in
+        radians
     r : scale [mm]: bars have lengths r sin(delta)
     anchor : index of the vertex the lines go through; the edges at it are those that leave it, or
         arrive where it is the last
@@ -132,8 +133,11 @@ class Grid:
             strips.append(first + np.indices(start.shape)[k].ravel())
             first += shape[k] - 1
         cells, planes = [], []
-        for k, l in combinations(range(d), 2):
-            corners = [part({k: a, l: b}) for a, b in ((low, low), (high, low), (high, high), (low, high))]
+        for k, other in combinations(range(d), 2):
+            corners = [
+                part({k: a, other: b})
+                for a, b in ((low, low), (high, low), (high, high), (low, high))
+            ]
             cells.append(np.stack([c.ravel() for c in corners], axis=1))
-            planes.append(np.tile([k, l], (corners[0].size, 1)))
+            planes.append(np.tile([k, other], (corners[0].size, 1)))
         return Grid(*map(np.concatenate, (bars, directions, strips, cells, planes)))

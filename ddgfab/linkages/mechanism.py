@@ -41,18 +41,18 @@ class Pose:
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """Upper bounds over |t - t_0| <= h, in the drive's own frame, for T intervals at once.
+    """Bounds over |t - t_0| <= h in the drive's own frame, for T intervals at once.
+
+    Proven, up to the rounding of float64.
 
     acceleration : (T, V) of |x''(t)| of each hinge point [mm/rad^2]
     spin_rate : (T, E) of the rate of change of each bar's angular velocity [1/rad]
     spin : (T, E) of each bar's angular velocity [rad per rad of the driving angle]
-    proven : whether they are proven (up to rounding) or estimated from samples
     """
 
     acceleration: Floats
     spin_rate: Floats
     spin: Floats
-    proven: bool = True
 
 
 class Drive(Protocol):
@@ -161,12 +161,12 @@ class Mechanism:
 
 
 def signed_twists(pose: Pose, bars: Ints) -> Floats:
-    """(E,) angle from the axis of hinge i to that of hinge j about x_j - x_i [rad], in (-pi, pi]."""
+    """(E,) angle about x_j - x_i from the axis of hinge i to that of hinge j, in (-pi, pi]."""
     i, j = bars.T
     edge = pose.points[j] - pose.points[i]
     edge /= np.linalg.norm(edge, axis=-1, keepdims=True)
     sine = np.einsum("ei,ei->e", edge, np.cross(pose.axes[i], pose.axes[j]))
-    return np.arctan2(sine, np.einsum("ei,ei->e", pose.axes[i], pose.axes[j]))
+    return np.asarray(np.arctan2(sine, np.einsum("ei,ei->e", pose.axes[i], pose.axes[j])))
 
 
 def bar_lengths(pose: Pose, bars: Ints) -> Floats:

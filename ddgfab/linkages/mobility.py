@@ -78,4 +78,4 @@ def mobility(bars: ArrayLike, pose: Pose) -> int:
             f"{values[rank]:.3g} around rank {rank} (a factor of {RANK_GAP:g} is needed); "
             "take a pose away from folded states"
         )
-    return unknowns - rank - 6
+    return int(unknowns - rank - 6)

@@ -75,7 +75,7 @@ def product(a: Floats, b: Floats) -> Floats:
 
 
 def compose(series: Floats, inner: Model) -> Floats:
-    """(ORDER, T) coefficients 1, 2, ... of f(p(s)) for f with Taylor coefficients (ORDER + 1, T)."""
+    """(ORDER, T) coefficients 1, 2, ... of f(p(s)); series (ORDER + 1, T) are those of f."""
     p = np.concatenate([np.zeros((1, inner.terms.shape[1])), inner.terms])
     out = np.zeros_like(p)
     for coefficient in series[::-1]:

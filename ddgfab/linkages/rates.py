@@ -69,13 +69,13 @@ class _Spread:
         """Isograms at a hinge: key, which corner of it the hinge is, its two arms."""
         for first in self._arms(vertex):
             for second in self._arms(vertex):
-                (k, a), (l, b) = first, second
-                if k < l:
+                (k, a), (other, b) = first, second
+                if k < other:
                     base = list(vertex)
                     base[k] -= a < 0
-                    base[l] -= b < 0
+                    base[other] -= b < 0
                     corner = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}[a, b]
-                    yield (tuple(base), k, l), corner, first, second
+                    yield (tuple(base), k, other), corner, first, second
 
     def _join(self, vertex: Vertex) -> dict[Arm, Model]:
         """How every bar at a hinge turns about its axis m, relative to the first of them."""
@@ -114,13 +114,11 @@ class _Spread:
             sign = 1.0 if corner < 2 else -1.0
             here = sign * self._angle(vertex, first, second)
             known = (arms[second] - arms[first]).scaled(sign)
-            _, k, l = key
-            base = key[0]
-            delta_k = self._m_delta(k, base[k])
-            delta_l = self._m_delta(l, base[l])
-            ratio = np.sin((delta_k - delta_l) / 2) / np.sin((delta_k + delta_l) / 2)
-            other = closing(float(ratio), here, known, self.half)
-            self.quads[key] = (known, other) if corner % 2 == 0 else (other, known)
+            base, *pair = key
+            one, two = (self._m_delta(k, base[k]) for k in pair)
+            ratio = np.sin((one - two) / 2) / np.sin((one + two) / 2)
+            next_one = closing(float(ratio), here, known, self.half)
+            self.quads[key] = (known, next_one) if corner % 2 == 0 else (next_one, known)
 
     def _m_delta(self, k: int, place: int) -> float:
         """Angle of m along a bar: the deltas are those of (-1)^u_0 m."""
@@ -132,7 +130,7 @@ class _Spread:
         here = self.x[vertex]
         a, b = (self.x[self._end(vertex, arm)] - here for arm in (first, second))
         sine = np.einsum("ti,ti->t", self.m[vertex], np.cross(a, b))
-        return np.arctan2(sine, np.einsum("ti,ti->t", a, b))
+        return np.asarray(np.arctan2(sine, np.einsum("ti,ti->t", a, b)))
 
     def _end(self, vertex: Vertex, arm: Arm) -> Vertex:
         k, sense = arm

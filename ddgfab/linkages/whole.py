@@ -61,7 +61,7 @@ def knet_mechanism(
     where = ((m - 1) // 2, (n - 1) // 2) if anchor is None else (int(anchor[0]), int(anchor[1]))
     if not (0 <= where[0] < m and 0 <= where[1] < n):
         raise InputError(
-            f"anchor {where}: the driving angle is that of a cell, so its indices are below {m}, {n}"
+            f"anchor {where}: the driving angle is that of a cell; indices are below {m}, {n}"
         )
     turns, corner = line_angles(knet, where)
     turn_rates, corner_rate, words = _rates(path, turns, corner)
@@ -79,7 +79,9 @@ def knet_mechanism(
         raise DegenerateError(f"isogram {where} is folded in the design pose", cell=where)
     grid = Grid.build(knet.shape)
     hinge = where[0] * (n + 1) + where[1]
-    bar = [int(np.flatnonzero((grid.bars[:, 0] == hinge) & (grid.directions == k))[0]) for k in (0, 1)]
+    bar = [
+        int(np.flatnonzero((grid.bars[:, 0] == hinge) & (grid.directions == k))[0]) for k in (0, 1)
+    ]
     limits = (0.0, np.pi) if corner > 0 else (-np.pi, 0.0)
     return assemble(
         "knet",
@@ -103,9 +105,7 @@ def line_angles(knet: KNet, anchor: tuple[int, int]) -> tuple[tuple[Floats, Floa
         edges = np.diff(points, axis=0)
         turns.append(oriented_angle(normals[1:-1], edges[:-1], edges[1:]))
     x = knet.points
-    corner = oriented_angle(
-        knet.normals[i, j], x[i + 1, j] - x[i, j], x[i, j + 1] - x[i, j]
-    )
+    corner = oriented_angle(knet.normals[i, j], x[i + 1, j] - x[i, j], x[i, j + 1] - x[i, j])
     return (turns[0], turns[1]), float(corner)
 
 

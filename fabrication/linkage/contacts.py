@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats, Ints
+from ddgfab.nets.cells import Bools
 from fabrication.linkage.capsules import Pieces
 
 ROUNDS: Final = 40
@@ -98,27 +99,35 @@ def segment_gaps(pieces: Pieces, pairs: Placed) -> tuple[Floats, Floats]:
     return size - pieces.radius[pairs.a] - pieces.radius[pairs.b], way
 
 
+def _dot(u: Floats, v: Floats) -> Floats:
+    """(p,) scalar products."""
+    return np.asarray(np.einsum("pi,pi->p", u, v))
+
+
+def _safe(values: Floats) -> Floats:
+    """Values to divide by: 1 where they are not positive."""
+    return np.where(values > 0, values, 1.0)
+
+
 def segment_difference(first: Floats, second: Floats) -> Floats:
     """(p, 3) shortest vector from segments (p, 2, 3) to segments (p, 2, 3)."""
     p, d = first[:, 0], first[:, 1] - first[:, 0]
     q, e = second[:, 0], second[:, 1] - second[:, 0]
     w = p - q
-    dot = lambda u, v: np.einsum("pi,pi->p", u, v)  # noqa: E731
-    a, c, b = dot(d, d), dot(e, e), dot(d, e)
-    dw, ew = dot(d, w), dot(e, w)
-    safe = lambda v: np.where(v > 0, v, 1.0)  # noqa: E731
+    a, c, b = _dot(d, d), _dot(e, e), _dot(d, e)
+    dw, ew = _dot(d, w), _dot(e, w)
     best = np.full((len(p), 3), np.inf)
     least = np.full(len(p), np.inf)
     square = a * c - b * b
-    inside = np.clip((b * ew - c * dw) / safe(square), 0.0, 1.0)
+    inside = np.clip((b * ew - c * dw) / _safe(square), 0.0, 1.0)
     # The inner pair, and each end against the other segment: one of them is nearest.
     tries = [np.where(square > 0, inside, 0.0), np.zeros_like(a), np.ones_like(a)]
-    options = [(s, np.clip((b * s + ew) / safe(c), 0.0, 1.0)) for s in tries]
+    options = [(s, np.clip((b * s + ew) / _safe(c), 0.0, 1.0)) for s in tries]
     for t in (np.zeros_like(a), np.ones_like(a)):
-        options.append((np.clip((b * t - dw) / safe(a), 0.0, 1.0), t))
+        options.append((np.clip((b * t - dw) / _safe(a), 0.0, 1.0), t))
     for s, t in options:
         vector = (q + t[:, None] * e) - (p + s[:, None] * d)
-        size = dot(vector, vector)
+        size = _dot(vector, vector)
         better = size < least
         best[better], least[better] = vector[better], size[better]
     return best
@@ -171,7 +180,7 @@ def gaps(pieces: Pieces, pairs: Placed) -> Gaps:
     return Gaps(gap, bound, normal, near_a, near_b)
 
 
-def _nearest(simplex: Floats, used: Ints) -> tuple[Floats, Ints, Floats]:
+def _nearest(simplex: Floats, used: Bools) -> tuple[Floats, Bools, Floats]:
     """Nearest point to the origin of the hulls of b - a over the used corners.
 
     Returns
@@ -184,12 +193,13 @@ def _nearest(simplex: Floats, used: Ints) -> tuple[Floats, Ints, Floats]:
     best = np.full(count, np.inf)
     weight = np.zeros((count, 4))
     for subset in _SUBSETS:
-        ok = used[:, subset].all(axis=1)
+        ok = used[:, list(subset)].all(axis=1)
         if not ok.any():
             continue
         rows = np.flatnonzero(ok)
         k = len(subset)
-        inner = gram[np.ix_(rows, subset, subset)]
+        corner = np.array(subset)
+        inner = gram[rows[:, None, None], corner[:, None], corner]
         # Affine combination of least norm, from differences to the first corner.
         if k == 1:
             share = np.ones((len(rows), 1))
@@ -204,15 +214,14 @@ def _nearest(simplex: Floats, used: Ints) -> tuple[Floats, Ints, Floats]:
             share[flat] = -1.0
         inside = (share >= 0).all(axis=1)
         rows, share = rows[inside], share[inside]
-        vector = np.einsum("pk,pki->pi", share, points[rows][:, list(subset)])
+        vector = np.einsum("pk,pki->pi", share, points[rows][:, corner])
         size = np.einsum("pi,pi->p", vector, vector)
         better = size < best[rows]
         rows, share = rows[better], share[better]
         best[rows] = size[better]
         weight[rows] = 0.0
-        weight[rows[:, None], list(subset)] = share
-    vector = np.einsum("pk,pki->pi", weight, points)
-    return weight, weight > 0, vector
+        weight[rows[:, None], corner] = share
+    return weight, weight > 0, np.asarray(np.einsum("pk,pki->pi", weight, points))
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Floats, Ints
+from ddgfab.nets.cells import Bools
 from fabrication.linkage.capsules import Body, Pieces
 
 
@@ -26,7 +27,7 @@ class Rules:
 
     bars: Ints
     bar_keys: Ints
-    is_link: Ints
+    is_link: Bools
     link_bar: Ints
     clearance: float
     joint_clearance: float
@@ -43,7 +44,7 @@ class Rules:
             mechanism.bars, keys, link_bar >= 0, link_bar, float(clearance), float(joint_clearance)
         )
 
-    def rigid(self, pieces: Pieces, a: Ints, b: Ints) -> Ints:
+    def rigid(self, pieces: Pieces, a: Ints, b: Ints) -> Bools:
         """(p,) whether pairs keep their distance: both turn with a common bar, or about its hinges.
 
         A body of revolution about a hinge stays as it is in the frame of every bar on that hinge.
@@ -55,13 +56,14 @@ class Rules:
         hinges = int(self.bars.max()) + 1
         key = np.minimum(eye_a, eye_b) * hinges + np.maximum(eye_a, eye_b)
         joined = (eye_a == eye_b) | np.isin(key, self.bar_keys)
-        return np.where(
+        result: Bools = np.where(
             eye_a < 0,
             np.where(eye_b < 0, pieces.bar[a] == pieces.bar[b], on_a),
             np.where(eye_b < 0, on_b, joined),
         )
+        return result
 
-    def adjacent(self, first: Ints, second: Ints) -> Ints:
+    def adjacent(self, first: Ints, second: Ints) -> Bools:
         """(p,) whether bodies are links that share a hinge."""
         one, two = self.bars[self.link_bar[first]], self.bars[self.link_bar[second]]
         share = (one[:, :, None] == two[:, None, :]).any(axis=(1, 2))

@@ -54,7 +54,6 @@ class FreeMotion:
     below, above : what ends the range there, worst first; empty at the mechanism's own limit
     tightest : the nearest pairs within the range, least in hand first
     certificate : words: what was proven, by how much work, under which assumption
-    proven : False when accelerations were estimated from samples
     examined : pairs of pieces times intervals
     """
 
@@ -65,13 +64,17 @@ class FreeMotion:
     above: tuple[Contact, ...]
     tightest: tuple[Contact, ...]
     certificate: str
-    proven: bool
     examined: int
 
     @property
     def range(self) -> float:
         """Width of the interval [rad]."""
         return self.high - self.low
+
+    @property
+    def proven(self) -> bool:
+        """Whether an interval is proven; False when the design pose itself is not free."""
+        return self.examined > 0
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -113,13 +116,18 @@ def free_motion(
     if stuck:
         here = tuple(_contact(search, bodies, near) for near in stuck)
         return FreeMotion(
-            design, design, design, here, here, here[:TIGHTEST], "the design pose is not free",
-            True, 0,
+            design,
+            design,
+            design,
+            here,
+            here,
+            here[:TIGHTEST],
+            "the design pose is not free",
+            0,
         )
     low, high = mechanism.limits if limits is None else limits
     ways = [search.march(end, progress) for end in (low, high)]
     below, above = ([_contact(search, bodies, near) for near in way.stops] for way in ways)
-    proven = all(way.proven for way in ways)
     examined = sum(way.examined for way in ways)
     return FreeMotion(
         ways[0].reached,
@@ -128,8 +136,7 @@ def free_motion(
         tuple(below),
         tuple(above),
         tuple(_contact(search, bodies, near) for near in _tightest(ways)),
-        _words(proven, examined, len(search.pieces)),
-        proven,
+        _words(examined, len(search.pieces)),
         examined,
     )
 
@@ -194,13 +201,11 @@ def _contact(search: Search, bodies: Sequence[Body], near: Near) -> Contact:
     )
 
 
-def _words(proven: bool, examined: int, pieces: int) -> str:
-    how = (
-        "between samples by bounds on accelerations that are proven up to the rounding of float64"
-        if proven
-        else "between samples by accelerations estimated from samples: not a proof"
+def _words(examined: int, pieces: int) -> str:
+    return (
+        f"{examined} pairs of {pieces} convex pieces times intervals, between samples by bounds on "
+        "accelerations that are proven up to the rounding of float64"
     )
-    return f"{examined} pairs of {pieces} convex pieces times intervals, {how}"
 
 
 @dataclass(frozen=True)

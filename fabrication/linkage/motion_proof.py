@@ -7,7 +7,7 @@ too near at a middle stops the march on the safe side of it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -17,6 +17,7 @@ from ddgfab.linkages import Mechanism
 from ddgfab.linkages.frames import angular_velocity
 from ddgfab.linkages.mechanism import Bounds
 from ddgfab.mesh import Floats, Ints
+from ddgfab.nets.cells import Bools
 from fabrication.linkage.capsules import Pieces
 from fabrication.linkage.contacts import Moving, Placed, gaps, margin, segment_gaps
 from fabrication.linkage.contacts_pairs import Rules, near_pairs
@@ -46,7 +47,9 @@ class Tasks:
 
     def take(self, index: Ints) -> Tasks:
         """Some of the tasks."""
-        return Tasks(*(v[index] for v in (self.t, self.half, self.cell, self.a, self.b)))
+        return Tasks(
+            self.t[index], self.half[index], self.cell[index], self.a[index], self.b[index]
+        )
 
     def halves(self) -> Tasks:
         """Every interval as two."""
@@ -54,7 +57,20 @@ class Tasks:
         return Tasks(
             np.concatenate([self.t - half, self.t + half]),
             np.tile(half, 2),
-            *(np.tile(v, 2) for v in (self.cell, self.a, self.b)),
+            np.tile(self.cell, 2),
+            np.tile(self.a, 2),
+            np.tile(self.b, 2),
+        )
+
+    @staticmethod
+    def joined(parts: Sequence[Tasks]) -> Tasks:
+        """All tasks of some lists."""
+        return Tasks(
+            np.concatenate([part.t for part in parts]),
+            np.concatenate([part.half for part in parts]),
+            np.concatenate([part.cell for part in parts]),
+            np.concatenate([part.a for part in parts]),
+            np.concatenate([part.b for part in parts]),
         )
 
 
@@ -80,14 +96,13 @@ class March:
     reached : driving angle up to which everything is proven
     stops : the pairs that end it, nearest first; none where the limit was reached
     nearest : by pair of bodies, where their gap came nearest to its limit
-    examined : pairs times intervals; proven : whether all accelerations were proven
+    examined : pairs times intervals
     """
 
     reached: float
     stops: tuple[Near, ...]
     nearest: dict[tuple[int, int], Near]
     examined: int
-    proven: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,21 +154,21 @@ class Search:
         count = max(1, int(np.ceil(abs(end - start) / STEP)))
         edges = np.linspace(start, end, count + 1)
         nearest: dict[tuple[int, int], Near] = {}
-        examined, proven = 0, True
+        examined = 0
         for first in range(0, count, BATCH):
             part = edges[first : first + BATCH + 1]
-            stop, stops, work, sure = self._batch(part, way, nearest)
-            examined, proven = examined + work, proven and sure
+            stop, stops, work = self._batch(part, way, nearest)
+            examined += work
             if progress is not None:
                 progress(stop)
             if stops:
-                return March(stop, stops, nearest, examined, proven)
-        return March(float(end), (), nearest, examined, proven)
+                return March(stop, stops, nearest, examined)
+        return March(float(end), (), nearest, examined)
 
     def _batch(
         self, edges: Floats, way: float, nearest: dict[tuple[int, int], Near]
-    ) -> tuple[float, tuple[Near, ...], int, bool]:
-        """Intervals between edges, all pairs: how far, what stops there, the work, whether proven."""
+    ) -> tuple[float, tuple[Near, ...], int]:
+        """Intervals between edges, all pairs: how far, what stops there, the work."""
         middle, half = (edges[1:] + edges[:-1]) / 2, np.abs(np.diff(edges)) / 2
         bounds = self.mechanism.drive.bounds(middle, half)
         pull = self._pull(bounds)
@@ -171,9 +186,7 @@ class Search:
                     if way * part.t[k] < way * stop:
                         stop, stopped = float(part.t[k]), part.take(np.array([k]))
                 ahead.append(part.take(np.flatnonzero(~sure)))
-            left = Tasks(
-                *(np.concatenate(v) for v in zip(*((p.t, p.half, p.cell, p.a, p.b) for p in ahead), strict=True))
-            )
+            left = Tasks.joined(ahead)
             # What cannot be settled any finer counts as too near.
             fine = 2 * left.half <= RESOLUTION
             for k in np.flatnonzero(fine):
@@ -188,10 +201,10 @@ class Search:
             within = np.flatnonzero((way * part.t <= way * stop) & (gap >= needed))
             self._remember(part.take(within), gap[within], needed[within], nearest)
         if stopped is None:
-            return stop, (), work, bounds.proven
+            return stop, (), work
         where = min(way * (stop + way * 4 * RESOLUTION), way * self._end(way)) * way
         stops = self.too_near(where) or self._nearby(stop, stopped)
-        return stop, stops, work, bounds.proven
+        return stop, stops, work
 
     def _end(self, way: float) -> float:
         return self.mechanism.limits[1] if way > 0 else self.mechanism.limits[0]
@@ -228,10 +241,12 @@ class Search:
             a, b = near_pairs(self.pieces, frames[k], moved + limit)
             moves = ~self.rules.rigid(self.pieces, a, b)
             a, b = a[moves], b[moves]
-            out.append((np.full(len(a), middle[k]), np.full(len(a), half[k]), np.full(len(a), k), a, b))
-        return Tasks(*(np.concatenate(v) for v in zip(*out, strict=True)))
+            count = len(a)
+            cell = np.full(count, k)
+            out.append(Tasks(np.full(count, middle[k]), np.full(count, half[k]), cell, a, b))
+        return Tasks.joined(out)
 
-    def _examine(self, tasks: Tasks, pull: Floats, seen: list[Seen]) -> tuple[Ints, Ints]:
+    def _examine(self, tasks: Tasks, pull: Floats, seen: list[Seen]) -> tuple[Bools, Bools]:
         """Which tasks are proven, and which pairs are too near at the middles.
 
         Distances that had to be found are added to `seen`.
@@ -240,7 +255,7 @@ class Search:
         needed = self.rules.needed(self.pieces, tasks.a, tasks.b)
         _, way = segment_gaps(self.pieces, pairs)
         sure = margin(self.pieces, pairs, moving, way) >= needed
-        short = np.zeros(len(needed), dtype=bool)
+        short: Bools = np.zeros(len(needed), dtype=np.bool_)
         rest = np.flatnonzero(~sure)
         if len(rest):
             part = pairs.take(rest)
@@ -281,6 +296,9 @@ class Search:
             have = nearest.get(key)
             if have is None or slack[k] < have.gap - have.limit:
                 nearest[key] = Near(
-                    int(tasks.a[k]), int(tasks.b[k]), float(tasks.t[k]), float(gap[k]),
+                    int(tasks.a[k]),
+                    int(tasks.b[k]),
+                    float(tasks.t[k]),
+                    float(gap[k]),
                     float(needed[k]),
                 )

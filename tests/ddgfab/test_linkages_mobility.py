@@ -104,7 +104,9 @@ def test_flex_keeps_bars() -> None:
         before, after = (np.linalg.norm(np.diff(x.points, axis=k), axis=-1) for x in (net, other))
         assert np.abs(before - after).max() < 1e-12
     assert not np.allclose(other.points, net.points)
-    back = flex(other, [-np.asarray(a - b) for a, b in zip(turns(other), turns(net), strict=True)], -0.4)
+    back = flex(
+        other, [-np.asarray(a - b) for a, b in zip(turns(other), turns(net), strict=True)], -0.4
+    )
     assert np.abs(back.points - net.points).max() < 1e-11
 
 

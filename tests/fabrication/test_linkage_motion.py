@@ -89,7 +89,7 @@ def placed(pieces: list[Piece], seed: int = 0) -> tuple[Pieces, Placed, np.ndarr
 
 def test_gaps_are_enclosed() -> None:
     """The bound is proven by a plane, the gap is reached by two points: they agree."""
-    made, pairs, frames = placed(random_pieces(np.random.default_rng(1), 24))
+    made, pairs, _ = placed(random_pieces(np.random.default_rng(1), 24))
     found = gaps(made, pairs)
     apart = found.gap > 0
     assert 100 < apart.sum() < len(apart)
@@ -126,7 +126,10 @@ def test_discs_face_to_face() -> None:
         axis = rng.normal(size=3)
         axis /= np.linalg.norm(axis)
         at = rng.uniform(-100, 100, 3)
-        pieces = [cylinder(at, at + 6 * axis, 5.0), cylinder(at + 6.4 * axis, at + 12.4 * axis, 5.0)]
+        pieces = [
+            cylinder(at, at + 6 * axis, 5.0),
+            cylinder(at + 6.4 * axis, at + 12.4 * axis, 5.0),
+        ]
         loop, _ = reference()
         made = Pieces.build(loop, [Body(str(k), (p,), bar=0) for k, p in enumerate(pieces)])
         still = np.eye(4)[None]
@@ -208,7 +211,10 @@ def test_ranges_against_dense_samples(make: object) -> None:
     assert motion.low < mechanism.design < motion.high
     for t in np.linspace(motion.low, motion.high, 60):
         assert clear(mechanism, bodies, float(t), 2e-4)
-    for t, contacts in ((motion.low - 8 * RESOLUTION, motion.below), (motion.high + 8 * RESOLUTION, motion.above)):
+    for t, contacts in (
+        (motion.low - 8 * RESOLUTION, motion.below),
+        (motion.high + 8 * RESOLUTION, motion.above),
+    ):
         assert contacts
         assert not clear(mechanism, bodies, float(t))
     for contact in motion.tightest:
@@ -247,7 +253,7 @@ def test_an_obstacle_between_samples_is_found() -> None:
         # A ball on bar 0's frame (the ground), where the needle's tip of bar 2 passes at `at`.
         tip = loop.bar_frames(loop.pose(float(at)))[2] @ np.array([far, 0.0, 40.0, 1.0])
         needle = Body("needle", (capsule([far, 0, 39.8], [far, 0, 40.2], 0.05),), bar=2)
-        ball = Body("ball", (capsule(tip[:3], tip[:3] + [0, 0, 1e-3], 0.05),), bar=0)
+        ball = Body("ball", (capsule(tip[:3], tip[:3] + 1e-3, 0.05),), bar=0)
         extra = [body for body in bodies if body.mark not in ("L0", "L2")]
         motion = free_motion(loop, [*extra, needle, ball], CLEARANCE)
         found.append(at - motion.high)
@@ -277,6 +283,7 @@ def test_a_design_that_is_not_free() -> None:
     motion = free_motion(loop, bodies, CLEARANCE)
     assert motion.low == motion.high == loop.design
     assert motion.range == 0
+    assert not motion.proven
     assert motion.contacts
     # All eyes of a pin on one level: that never changes either.
     assert len(standing(loop, bodies)) >= 4
