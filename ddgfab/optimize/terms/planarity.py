@@ -52,15 +52,9 @@ def _modes(size: int) -> Floats:
     return np.asarray(modes / np.linalg.norm(modes, axis=1, keepdims=True))
 
 
-def _bases(points: Floats) -> Floats:
-    """(n, k - 3, k) bases of the possible heights of the corners of (n, k, 3) polygons.
-
-    Those of a regular polygon, projected: unlike singular vectors they are the same everywhere.
-    """
+def _impossible(points: Floats) -> Floats:
+    """(n, 3, k) orthonormal heights that the corners of (n, k, 3) polygons cannot have."""
     count, size = points.shape[:2]
-    modes = np.broadcast_to(_modes(size), (count, size - 3, size))
-    if size == _QUAD:
-        return modes
     across = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
     area = vector_areas(points)
     normal = area / np.linalg.norm(area, axis=1, keepdims=True)
@@ -68,8 +62,50 @@ def _bases(points: Floats) -> Floats:
     reach = np.linalg.norm(across, axis=(1, 2))[:, None, None]
     ones = np.full((count, 1, size), size**-0.5)
     rows = np.concatenate([ones, across.transpose(0, 2, 1) / reach], axis=1)
-    never = np.linalg.svd(rows, full_matrices=False)[2][:, :3]
+    return np.asarray(np.linalg.svd(rows, full_matrices=False)[2][:, :3])
+
+
+def possible_heights(points: Floats) -> Floats:
+    """(n, k - 3, k) orthonormal bases of the heights that corners of (n, k, 3) polygons can have.
+
+    For polygons of any shape, also such that wind round more than once.
+    """
+    never = _impossible(points)
+    return np.asarray(np.linalg.svd(never, full_matrices=True)[2][:, 3:])
+
+
+def _bases(points: Floats) -> Floats:
+    """(n, k - 3, k) bases of the possible heights of the corners of faces (n, k, 3).
+
+    Those of a regular polygon, projected: unlike singular vectors they are the same everywhere.
+    """
+    count, size = points.shape[:2]
+    modes = np.broadcast_to(_modes(size), (count, size - 3, size))
+    if size == _QUAD:
+        return modes
+    never = _impossible(points)
     return np.asarray(modes - modes @ never.transpose(0, 2, 1) @ never)
+
+
+def flatness(points: Floats, basis: Floats) -> Floats:
+    """(m,) residuals <A, sum_i B_i x_i> / |A| of (m, k, 3) polygons."""
+    area = vector_areas(points)
+    offset = np.einsum("mk,mkx->mx", basis, points)
+    length = np.linalg.norm(area, axis=1)
+    return np.asarray(np.einsum("mx,mx->m", area, offset) / length)
+
+
+def flatness_slope(points: Floats, basis: Floats) -> Floats:
+    """(m, k, 3) derivatives B_i n + (x_(i+1) - x_(i-1)) x w' / 2|A|, w' the tangential offset."""
+    area = vector_areas(points)
+    length = np.linalg.norm(area, axis=1)[:, None]
+    normal = area / length
+    offset = np.einsum("mk,mkx->mx", basis, points)
+    offset -= np.einsum("mx,mx->m", offset, normal)[:, None] * normal
+    across = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
+    slope = basis[..., None] * normal[:, None]
+    slope += np.cross(across, (offset / (2 * length))[:, None])
+    return np.asarray(slope)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -85,25 +121,12 @@ class Planarity(LocalTerm):
 
     def values(self, local: Floats) -> Floats:
         """(m,) residuals."""
-        points = local.reshape(len(local), -1, 3)
-        area = vector_areas(points)
-        offset = np.einsum("mk,mkx->mx", self.basis, points)
-        length = np.linalg.norm(area, axis=1)
-        return np.asarray(np.einsum("mx,mx->m", area, offset) / length)
+        return flatness(local.reshape(len(local), -1, 3), self.basis)
 
     def gradients(self, local: Floats) -> Floats:
-        """(m, 3k): B_i n + (x_(i-1) - x_(i+1)) x w' / 2|A| with w' the tangential offset."""
-        points = local.reshape(len(local), -1, 3)
-        area = vector_areas(points)
-        length = np.linalg.norm(area, axis=1)[:, None]
-        normal = area / length
-        offset = np.einsum("mk,mkx->mx", self.basis, points)
-        offset -= np.einsum("mx,mx->m", offset, normal)[:, None] * normal
-        # d<A, w'> = 1/2 sum <(x_(i+1) - x_(i-1)) x dx_i ... >: A is bilinear in the corners.
-        across = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
-        slope = self.basis[..., None] * normal[:, None]
-        slope += np.cross(across, (offset / (2 * length))[:, None])
-        return np.asarray(slope.reshape(len(local), -1))
+        """(m, 3k) derivatives."""
+        slope = flatness_slope(local.reshape(len(local), -1, 3), self.basis)
+        return slope.reshape(len(local), -1)
 
 
 def planarity_terms(
