@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ddgfab.errors import InputError
+from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.nets.circles import Circles, Spheres, circles_on_sphere
 from ddgfab.nets.koebe_centre import centring
@@ -17,6 +18,9 @@ from ddgfab.nets.koebe_checks import check_polyhedron
 from ddgfab.nets.koebe_pattern import CirclePattern, planar_circles
 from ddgfab.nets.sisothermic import SIsothermic
 from ddgfab.nets.sisothermic_labels import piece
+
+SMALLEST: Final = 1e-9
+"""Circles smaller than this on the unit sphere are refused: too few digits are left for edges."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -170,7 +174,8 @@ def koebe(
     InputError
         No such edge `infinity`.
     DegenerateError
-        The numerical method did not arrive (never seen on a polyhedron that passed the checks).
+        A polyhedron so long and thin that circles at its ends vanish (names one), or a numerical
+        method that did not arrive (never seen on a polyhedron that passed the checks).
 
     Source: Koebe 1936; Springborn 2005; Bobenko, Springborn 2004; maths.md 7.1.
 
@@ -184,13 +189,29 @@ def koebe(
         raise InputError(f"edge {infinity} at infinity: the polyhedron has {mesh.n_edges} edges")
     pattern = CirclePattern(mesh, _large_edge(mesh) if infinity is None else infinity)
     radii, history = pattern.radii()
+    largest = float(radii[np.isfinite(radii)].max())
+    _refuse_small(mesh, np.sqrt(radii / largest))  # a circle on the sphere is no larger than that
     vectors = planar_circles(pattern, radii)
     n = mesh.n_vertices
     move = centring(_light(mesh, vectors[:n]))[0]
     vectors = vectors @ move.T
+    _refuse_small(mesh, 1.0 / np.linalg.norm(vectors[:, :3], axis=1))
     at_vertices, at_faces = vectors[:n], vectors[n:]
     solid = mesh.with_vertices(at_vertices[:, :3] / at_vertices[:, 3:])
     return KoebePolyhedron(solid, at_vertices, at_faces, history)
+
+
+def _refuse_small(mesh: Mesh, radii: Floats) -> None:
+    """Raise where a circle is so small that coordinates on the sphere do not resolve it."""
+    least = int(radii.argmin())
+    if radii[least] < SMALLEST:
+        n = mesh.n_vertices
+        what = f"vertex {least}" if least < n else f"face {least - n}"
+        raise DegenerateError(
+            f"the circle of {what} is smaller than {SMALLEST:g} of the sphere, too small for "
+            "double precision\nthe polyhedron is too long and thin: take fewer cells along it, or "
+            "more around it"
+        )
 
 
 def _plain(faces: Sequence[Sequence[int]] | Sequence[Ints]) -> Mesh:

@@ -74,6 +74,7 @@ def centring(points: Floats) -> tuple[Floats, float]:
         total = boost(velocity * min(1.0, FASTEST / speed)) @ total
     if left >= CENTRED_LOOSE:
         raise DegenerateError(
-            f"the contact points cannot be centred: their mean stays {left:.1e} off the centre of the sphere (limit {CENTRED_LOOSE:g})"
+            f"the contact points cannot be centred: their mean stays {left:.1e} off the centre of "
+            f"the sphere (limit {CENTRED_LOOSE:g})"
         )
     return best, left

@@ -96,7 +96,9 @@ class CirclePattern:
         """
         v, f = self.pairs
         d = rho[f] - rho[v]
-        terms = spence(1.0 - 1j * np.exp(d)).imag + spence(1.0 - 1j * np.exp(-d)).imag
+        # Im Li2(i e^d) = Im Li2(i e^-d) + pi/2 d: no power of e that overflows.
+        far = np.abs(d)
+        terms = 2.0 * spence(1.0 - 1j * np.exp(-far)).imag + 0.5 * np.pi * far
         free = ~self.lines
         linear = float(self.angle_sums[free] @ rho[free])
         return float(terms.sum() - 0.5 * np.pi * (rho[v] + rho[f]).sum()) + linear
@@ -104,14 +106,17 @@ class CirclePattern:
     def gradient(self, rho: Floats) -> Floats:
         """(count,) Phi_i - sum 2 atan(e^(rho_j - rho_i)): the missing angles; 0 for lines."""
         v, f = self.pairs
-        half = 2.0 * np.arctan(np.exp(rho[f] - rho[v]))
-        found = np.bincount(v, half, self.count) + np.bincount(f, np.pi - half, self.count)
+        # 2 atan(e^d) = pi/2 + 2 atan(tanh(d/2)), for differences d of any size
+        turn = 2.0 * np.arctan(np.tanh(0.5 * (rho[f] - rho[v])))
+        found = np.bincount(v, 0.5 * np.pi + turn, self.count)
+        found += np.bincount(f, 0.5 * np.pi - turn, self.count)
         return np.where(self.lines, 0.0, self.angle_sums - found)
 
     def hessian(self, rho: Floats) -> csc_array:
         """(count, count) Laplacian with weights sech(rho_j - rho_i); zero rows for lines."""
         v, f = self.pairs
-        weight = 1.0 / np.cosh(rho[f] - rho[v])
+        small = np.exp(-np.abs(rho[f] - rho[v]))
+        weight = 2.0 * small / (1.0 + small * small)
         diagonal = np.bincount(v, weight, self.count) + np.bincount(f, weight, self.count)
         every = np.arange(self.count)
         return csc_array(
@@ -217,13 +222,12 @@ def planar_circles(pattern: CirclePattern, radii: Floats) -> Floats:
     direction = np.exp(1j * angle)
     live = ~lines[v] & ~lines[f]
     jump = np.hypot(radii[v[live]], radii[f[live]]) * direction[live]
-    root = int((~lines).argmax())
-    centre = tree_sums(pattern.count, v[live], f[live], jump, root)[0]
-    # Centre and scale by medians: most circles then sit at places of moderate size.
+    # From the smallest circle on, so that all circles keep their digits; most at moderate places.
     free = ~lines
-    middle = complex(np.median(centre[free].real), np.median(centre[free].imag))
-    scale = float(np.median(np.abs(centre[free] - middle)))
-    centre, radius = (centre - middle) / scale, radii / scale
+    root = int(radii.argmin())
+    centre = tree_sums(pattern.count, v[live], f[live], jump, root)[0]
+    scale = float(np.median(np.abs(centre[free])))
+    centre, radius = centre / scale, radii / scale
     vectors = np.empty((pattern.count, 4))
     c, r = centre[free], radius[free]
     power = (np.abs(c) - r) * (np.abs(c) + r)

@@ -27,13 +27,14 @@ SURFACES = (
 """Minimal surfaces by name; helicoid and schwarz_d follow asymptotic lines and have skew panels."""
 
 
-def from_cells(file: str, name: str) -> MinimalNet:
+def from_cells(file: str, name: str, sheets: int = 1) -> MinimalNet:
     """The minimal surface of a cell decomposition of the sphere, over the faces that a name marks.
 
     Parameters
     ----------
     file : OBJ; its faces are those of a convex polyhedron, wherever its vertices lie
     name : of a group, object or material that marks the piece to dualise
+    sheets : 2 for the branched double cover of the piece, which odd faces and inner vertices need
 
     Raises
     ------
@@ -48,7 +49,8 @@ def from_cells(file: str, name: str) -> MinimalNet:
     cells = read_cells(file)
     marked = cells.group(name)
     rough = cells.mesh.vertices - cells.mesh.vertices.mean(axis=0)
-    return minimal_surface(koebe(cells.mesh).aligned(rough).net(marked))
+    gauss = koebe(cells.mesh).aligned(rough).net(marked)
+    return minimal_surface(gauss if sheets == 1 else gauss.covered())
 
 
 @generator("minimal", support="edge")
@@ -78,6 +80,9 @@ def minimal_roof(
     piece: Annotated[
         str, About("file: group, object or material that marks the faces of the piece")
     ] = "piece",
+    sheets: Annotated[
+        int, About("file: 2 for the double cover of a piece with odd faces or inner vertices", 1, 2)
+    ] = 1,
 ) -> Mesh:
     """Minimal surface along its curvature lines, with an edge offset: beams of one height.
 
@@ -114,7 +119,7 @@ def minimal_roof(
     elif surface == "scherk":
         net = scherk(cells, storeys)
     elif surface == "file":
-        net = from_cells(polyhedron_file, piece)
+        net = from_cells(polyhedron_file, piece, sheets)
     elif surface == "schwarz_p_cell":
         net = schwarz_p_cell(cells).net
     else:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.nets.circles import Circles, Spheres
-from ddgfab.nets.sisothermic_labels import label_edges
+from ddgfab.nets.sisothermic_labels import double_cover, label_edges
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 from ddgfab.trees import tree_sums
 
@@ -61,6 +61,20 @@ class SIsothermic:
                     f"of its edge length (limit {tolerance:g})"
                 )
         return SIsothermic(mesh, found.radii)
+
+    def covered(self) -> SIsothermic:
+        """Its branched double cover, whose edges can be labelled; see `double_cover`.
+
+        An odd face winds twice round its incircle, an odd vertex has its edges twice. A net that
+        can be labelled comes back in two copies, which are not connected.
+
+        Raises
+        ------
+        MeshError
+            The cover needs a finer mesh.
+        """
+        cover = double_cover(self.mesh)
+        return SIsothermic(cover.mesh, self.radii[cover.vertices])
 
     @cached_property
     def contacts(self) -> Floats:

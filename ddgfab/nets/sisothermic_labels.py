@@ -17,8 +17,8 @@ SHOWN = 12
 """How many faces an error names."""
 
 _ADVICE = (
-    "take the branched double cover (sisothermic_labels.double_cover) or a simply connected piece "
-    "without them (sisothermic_labels.piece)"
+    "take the branched double cover (SIsothermic.covered, or sheets = 2) or a simply connected "
+    "piece without them (KoebePolyhedron.net(faces), sisothermic_labels.piece)"
 )
 
 

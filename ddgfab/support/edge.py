@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -77,20 +78,45 @@ def _touching(mesh: Mesh, signs: Floats) -> Floats:
         good = square > 1.0  # 1 / cos^2 of the cone's angle
         field[ids[good]] = -axis[good] / np.sqrt(square[good] - 1.0)[:, None]
         known[ids[good]] = True
-    lines = unit(mesh.edge_vectors)
-    for vertex in np.flatnonzero(~known & (mesh.valences > 0)).tolist():
-        edges = mesh.star(vertex)[0]
-        ends = mesh.edges[edges].sum(axis=1) - vertex
-        edges, ends = edges[known[ends]], ends[known[ends]]
-        across = np.eye(3) - np.einsum("ki,kj->kij", lines[edges], lines[edges])
-        matrix = across.sum(axis=0)
-        if len(edges) < 2 or np.linalg.eigvalsh(matrix)[0] <= RELATIVE_DEGENERATE:
+    todo = np.flatnonzero(~known & (mesh.valences > 0)).tolist()
+    while todo:
+        rest = [v for v in todo if not _from_neighbours(mesh, along, v, field, known)]
+        if len(rest) == len(todo):
             raise DegenerateError(
-                f"vertex {vertex}: its {mesh.valences[vertex]} edges lie on no cone of revolution, "
-                "so the mesh has no offset at a constant distance of edges"
+                f"vertex {rest[0]}: its {mesh.valences[rest[0]]} edges lie on no cone of "
+                "revolution, so the mesh has no offset at a constant distance of edges"
             )
-        field[vertex] = np.linalg.solve(matrix, np.einsum("kij,kj->i", across, field[ends]))
+        todo = rest
     return field
+
+
+def _from_neighbours(
+    mesh: Mesh, along: Floats, vertex: int, field: Floats, known: NDArray[np.bool_]
+) -> bool:
+    """Write the field at a vertex from those at known neighbours; False where they are too few.
+
+    Two neighbours: where the lines of their edges meet. One, at a corner with edges w, w': on the
+    line of w, with <k, w> = <k, w'>, as the sphere is at one distance along both.
+    """
+    edges = mesh.star(vertex)[0]
+    away = along[edges] * np.where(mesh.edges[edges, 0] == vertex, 1.0, -1.0)[:, None]
+    ends = mesh.edges[edges].sum(axis=1) - vertex
+    sure = np.flatnonzero(known[ends])
+    across = np.eye(3) - np.einsum("ki,kj->kij", away[sure], away[sure])
+    matrix = across.sum(axis=0)
+    if len(sure) > 1 and np.linalg.eigvalsh(matrix)[0] > RELATIVE_DEGENERATE:
+        field[vertex] = np.linalg.solve(matrix, np.einsum("kij,kj->i", across, field[ends[sure]]))
+    elif len(sure) == 1 and len(edges) == 2:
+        near, line = field[ends[sure[0]]], away[sure[0]]
+        turn = line - away[1 - sure[0]]
+        slope = float(line @ turn)
+        if abs(slope) <= RELATIVE_DEGENERATE:
+            return False
+        field[vertex] = near - (near @ turn) / slope * line
+    else:
+        return False
+    known[vertex] = True
+    return True
 
 
 def _refuse(mesh: Mesh, field: Floats) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.errors import SupportError
+from ddgfab.errors import DegenerateError, SupportError
 from ddgfab.measures import lean, torsion
 from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.support.edge import beam_heights
@@ -119,11 +119,15 @@ class SupportStructure:
         """Greatest less least height of beams whose lower edges meet on the axes, over the mean.
 
         Zero on an edge offset: beams of one height everywhere. None with torsion, where the lower
-        edges do not meet. See `ddgfab.support.edge.beam_heights`.
+        edges do not meet, and where an axis runs along an edge. See
+        `ddgfab.support.edge.beam_heights`.
         """
         if not self.torsion_free:
             return None
-        return float(np.ptp(beam_heights(self.mesh, self.axes)))
+        try:
+            return float(np.ptp(beam_heights(self.mesh, self.axes)))
+        except DegenerateError:
+            return None
 
     @cached_property
     def edge_planes(self) -> Floats:

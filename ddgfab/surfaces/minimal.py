@@ -129,4 +129,8 @@ def smooth_schwarz_p() -> Weierstrass:
     The branch points, z^4 = 4 sqrt(3) - 7, are the normals to the corners of a cube; the piece over
     a side of the cube has |z| below 0.52. Its conjugate is Schwarz' D surface.
     """
-    return Weierstrass(lambda z: 1.0 / np.sqrt(1.0 + 14.0 * z**4 + z**8), lambda z: z, np.ones_like)
+
+    def f(z: Complexes) -> Complexes:
+        return np.asarray(1.0 / np.sqrt(1.0 + 14.0 * z**4 + z**8), dtype=np.complex128)
+
+    return Weierstrass(f, lambda z: z, np.ones_like)

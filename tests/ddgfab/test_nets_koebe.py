@@ -179,6 +179,33 @@ def test_boosts_are_lorentz_transformations_that_centre() -> None:
         centring(most)
 
 
+def tower(sides: int, levels: int) -> list[list[int]]:
+    """Prisms on top of each other."""
+    ids = np.arange(sides * (levels + 1)).reshape(levels + 1, sides)
+    after = np.roll(ids, -1, axis=1)
+    walls = np.stack([ids[:-1], after[:-1], after[1:], ids[1:]], axis=-1).reshape(-1, 4)
+    return [ids[0, ::-1].tolist(), ids[-1].tolist(), *walls.tolist()]
+
+
+def test_long_thin_polyhedra_keep_their_digits_or_are_refused() -> None:
+    """Circles shrink towards the ends by a factor in each level: here to 4e-8 of the sphere."""
+    long = koebe(tower(4, 20))
+    assert long.radii.min() < 1e-7
+    assert long.residuals()["tangency"] < 1e-14
+    assert koebe(tower(30, 60)).residuals()["tangency"] < 1e-14
+    for levels in (40, 300):
+        with pytest.raises(DegenerateError, match="too long and thin"):
+            koebe(tower(4, levels))
+
+
+def test_vertices_of_high_degree() -> None:
+    """A pyramid over a 2000-gon: one circle touches 2000 others."""
+    pyramid = [list(range(2000))[::-1], *([i, (i + 1) % 2000, 2000] for i in range(2000))]
+    solid = koebe(pyramid)
+    assert solid.residuals()["tangency"] < 1e-12
+    assert np.ptp(solid.radii[:2000]) < 1e-12
+
+
 # --- bad input ---------------------------------------------------------------------------------
 def theta(parts: int) -> list[list[int]]:
     """Two poles joined by paths of two inner vertices: every pair of faces meets at both poles."""

@@ -294,6 +294,43 @@ def test_schwarz_d_piece_is_bounded_by_straight_lines() -> None:
     assert np.linalg.norm(corners[3] - corners[1]) == pytest.approx(sides[0], rel=1e-10)
 
 
+def test_branch_points_from_the_double_cover() -> None:
+    """Three sides of the cube round a corner: a flat point of Schwarz' P, a monkey saddle."""
+    solid = schwarz_koebe(4)
+    sides = (np.arange(96) // 16) % 2 == 1
+    gauss = solid.net(sides)
+    with pytest.raises(MeshError, match=r"1 inner vertices .* between faces \d+, \d+, \d+"):
+        minimal_surface(gauss)
+    net = minimal_surface(gauss.covered())
+    assert net.mesh.n_faces == 96
+    assert np.abs(net.mean_curvatures()).max() < 1e-12
+    centre = np.flatnonzero(net.mesh.valences == 6)
+    assert len(centre) == 1
+    # The two sheets are images of each other in the point.
+    points = net.mesh.vertices
+    image = 2 * points[centre] - points
+    off = np.linalg.norm(image[:, None] - points[None], axis=2).min(axis=1)
+    assert off.max() < 1e-11 * net.mesh.diameter
+    assert np.abs(np.abs(koebe_field(net.mesh)) - np.abs(net.gauss.mesh.vertices)).max() < 1e-10
+
+
+def test_an_odd_face_becomes_a_face_of_twice_as_many_sides() -> None:
+    solid = koebe(SOLIDS["pillow"])
+    mesh = solid.mesh
+    triangle = int((mesh.face_sizes == 3).argmax())
+    near = np.unique(mesh.edge_faces[mesh.face_edges(triangle)])
+    near = near[(mesh.face_sizes[near] == 4) | (near == triangle)]
+    net = minimal_surface(solid.net(near).covered())
+    assert np.unique(net.mesh.face_sizes).tolist() == [4, 6]
+    # Every quad has a side whose both ends have no other face: one neighbour is enough there.
+    assert np.abs(np.abs(koebe_field(net.mesh)) - np.abs(net.gauss.mesh.vertices)).max() < 1e-11
+    assert net.closing < 1e-13
+    assert np.abs(net.mean_curvatures()).max() < 1e-12
+    # Two odd faces side by side: the cover is a ring, whose dual has the period of a wing.
+    with pytest.raises(DegenerateError, match="period of this size"):
+        minimal_surface(solid.net(np.unique(mesh.edge_faces[mesh.face_edges(triangle)])).covered())
+
+
 # --- limits (5.3, 7.8) -------------------------------------------------------------------------
 def orders(errors: list[float]) -> list[float]:
     return [float(np.log2(a / b)) for a, b in pairwise(errors)]
