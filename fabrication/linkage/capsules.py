@@ -44,7 +44,8 @@ class Body:
     mark : its name
     bar : the bar whose frame the pieces are in, or -1
     hinge : the hinge whose frame (origin on the foot point, z the axis) the pieces are in, or -1
-    pieces : convex pieces; those of a fitting are bodies of revolution about z
+    pieces : convex pieces; those of a fitting are bodies of revolution about z, those of a link
+        other than its eyes stay outside the pins
     """
 
     mark: str

@@ -95,7 +95,7 @@ def free_motion(
 
     Non-adjacent parts keep `clearance`; links that share a hinge keep `joint_clearance` except at
     the hinge. What turns about a common axis, such as an eye and a bar on one pin, keeps its
-    distance in the motion and is judged by `standing`.
+    distance in the motion and is judged once (`standing`). Fits on one pin are not judged here.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def free_motion(
     """
     search = _search(mechanism, bodies, clearance, joint_clearance)
     design = mechanism.design
-    stuck = search.too_near(design)
+    stuck = search.too_near(design) + search.standing()
     if stuck:
         here = tuple(_contact(search, bodies, near) for near in stuck)
         return FreeMotion(
@@ -147,9 +147,10 @@ def standing(
     *,
     joint_clearance: float = JOINT_CLEARANCE,
 ) -> tuple[Contact, ...]:
-    """Links on one hinge whose distance never changes and is too small: eyes, and bars at eyes.
+    """Parts whose distance never changes and is below `joint_clearance` [mm], worst first.
 
-    An empty answer means the levels keep eyes and bars of neighbours apart in every pose.
+    Eyes and bars of neighbours on one pin, parts along one bar; not what is fitted on one pin. An
+    empty answer means that the levels keep them apart in every pose.
     """
     search = _search(mechanism, bodies, joint_clearance, joint_clearance)
     return tuple(_contact(search, bodies, near) for near in search.standing())

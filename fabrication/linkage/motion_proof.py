@@ -15,7 +15,7 @@ import numpy as np
 
 from ddgfab.linkages import Mechanism
 from ddgfab.linkages.frames import angular_velocity
-from ddgfab.linkages.mechanism import Bounds
+from ddgfab.linkages.mechanism import END_SLACK, Bounds
 from ddgfab.mesh import Floats, Ints
 from ddgfab.nets.cells import Bools
 from fabrication.linkage.capsules import Pieces
@@ -126,20 +126,28 @@ class Search:
         extra = np.full(len(self.pieces), max(self.rules.clearance, self.rules.joint_clearance))
         a, b = near_pairs(self.pieces, frames, extra)
         moves = ~self.rules.rigid(self.pieces, a, b)
-        return self._short(t, a[moves], b[moves])
+        a, b = a[moves], b[moves]
+        return self._short(t, a, b, self.rules.needed(self.pieces, a, b))
 
     def standing(self) -> tuple[Near, ...]:
-        """Pieces of links on one hinge that keep a distance below the limit in every pose."""
+        """Pieces that keep a distance below the limit in every pose, worst first.
+
+        Eyes and bars about one hinge, parts along one bar. What is on one pin belongs together: of
+        its eyes, rings and pin only the eyes are to keep apart.
+        """
         pieces, t = self.pieces, self.mechanism.design
         frames = self.mechanism.bar_frames(self.mechanism.pose(t))
         extra = np.full(len(pieces), self.rules.joint_clearance)
         a, b = near_pairs(pieces, frames, extra)
-        still = self.rules.rigid(pieces, a, b) & self.rules.adjacent(pieces.body[a], pieces.body[b])
-        return self._short(t, a[still], b[still])
+        one_pin = (pieces.eye[a] >= 0) & (pieces.eye[a] == pieces.eye[b])
+        links = self.rules.is_link[pieces.body[a]] & self.rules.is_link[pieces.body[b]]
+        still = self.rules.rigid(pieces, a, b) & (links | ~one_pin)
+        a, b = a[still], b[still]
+        return self._short(t, a, b, np.full(len(a), self.rules.joint_clearance))
 
-    def _short(self, t: float, a: Ints, b: Ints) -> tuple[Near, ...]:
+    def _short(self, t: float, a: Ints, b: Ints, needed: Floats) -> tuple[Near, ...]:
+        """Those of pairs that are nearer than needed, worst first."""
         found = gaps(self.pieces, self.placed(t, a, b)).gap
-        needed = self.rules.needed(self.pieces, a, b)
         worst = np.argsort(found - needed, kind="stable")
         return tuple(
             Near(int(a[k]), int(b[k]), t, max(float(found[k]), 0.0), float(needed[k]))
@@ -148,30 +156,48 @@ class Search:
         )
 
     def march(self, end: float, progress: Callable[[float], None] | None = None) -> March:
-        """From the design angle towards `end`."""
-        start = self.mechanism.design
-        way = 1.0 if end > start else -1.0
-        count = max(1, int(np.ceil(abs(end - start) / STEP)))
-        edges = np.linspace(start, end, count + 1)
+        """From the design angle towards `end`.
+
+        Where accelerations have no bound on an interval it is taken shorter; where they have none
+        on the shortest the march ends, as at the ends of what the bars allow.
+        """
+        at, step = self.mechanism.design, STEP
+        way = 1.0 if end > at else -1.0
         nearest: dict[tuple[int, int], Near] = {}
         examined = 0
-        for first in range(0, count, BATCH):
-            part = edges[first : first + BATCH + 1]
-            stop, stops, work = self._batch(part, way, nearest)
-            examined += work
+        while way * (end - at) > END_SLACK:
+            count = int(min(BATCH, np.ceil((abs(end - at) - END_SLACK) / step)))
+            edges: Floats = np.asarray(at + way * step * np.arange(count + 1), dtype=np.float64)
+            if way * (end - edges[-1]) <= END_SLACK:
+                edges[-1] = end
+            middle, half = (edges[1:] + edges[:-1]) / 2, np.abs(np.diff(edges)) / 2
+            pull = self._pull(self.mechanism.drive.bounds(middle, half))
+            known = np.isfinite(pull).all(axis=1)
+            good = count if known.all() else int(np.argmin(known))
+            if not good:
+                step /= 2
+                if step < RESOLUTION:
+                    break
+                continue
+            stop, stops, work = self._batch(edges[: good + 1], pull[:good], way, nearest)
+            at, examined = stop, examined + work
             if progress is not None:
-                progress(stop)
+                progress(at)
             if stops:
-                return March(stop, stops, nearest, examined)
-        return March(float(end), (), nearest, examined)
+                return March(at, stops, nearest, examined)
+            if good == count:
+                step = min(2 * step, STEP)
+        return March(float(at), (), nearest, examined)
 
     def _batch(
-        self, edges: Floats, way: float, nearest: dict[tuple[int, int], Near]
+        self, edges: Floats, pull: Floats, way: float, nearest: dict[tuple[int, int], Near]
     ) -> tuple[float, tuple[Near, ...], int]:
-        """Intervals between edges, all pairs: how far, what stops there, the work."""
+        """Intervals between edges, all pairs: how far, what stops there, the work.
+
+        A pair found too near at a middle ends the range there, and its intervals before that stay
+        among the tasks until they are proven or end the range earlier.
+        """
         middle, half = (edges[1:] + edges[:-1]) / 2, np.abs(np.diff(edges)) / 2
-        bounds = self.mechanism.drive.bounds(middle, half)
-        pull = self._pull(bounds)
         frames, rates = self.mechanism.moving_frames(middle)
         tasks = self._tasks(middle, half, frames, rates, pull)
         stop, stopped, work = float(edges[-1]), None, 0
@@ -195,8 +221,6 @@ class Search:
                     stop, stopped = near_end, left.take(np.array([k]))
             tasks = left.take(np.flatnonzero(~fine)).halves()
             tasks = tasks.take(np.flatnonzero(way * (tasks.t - way * tasks.half) < way * stop))
-        # A pair found too near at a middle leaves the half before it to be proven: that was done
-        # above, for its halves before `stop` stay among the tasks until proven or stopped earlier.
         for part, gap, needed in seen:
             within = np.flatnonzero((way * part.t <= way * stop) & (gap >= needed))
             self._remember(part.take(within), gap[within], needed[within], nearest)
@@ -236,8 +260,6 @@ class Search:
             spin = np.linalg.norm(angular_velocity(frames[k], rates[k]), axis=1)[bar]
             speed = np.linalg.norm(rates[k, bar, :3, 3], axis=1) + spin * size
             moved = half[k] * speed + 0.5 * half[k] ** 2 * pull[k]
-            # Without a bound every pair is looked at, in ever smaller intervals.
-            moved = np.where(np.isfinite(moved), moved, size)
             a, b = near_pairs(self.pieces, frames[k], moved + limit)
             moves = ~self.rules.rigid(self.pieces, a, b)
             a, b = a[moves], b[moves]

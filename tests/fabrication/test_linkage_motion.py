@@ -29,7 +29,10 @@ def kit(mechanism: Mechanism, levels: np.ndarray, *, radius: float = 2.5) -> lis
             cylinder(end - 3 * axis, end + 3 * axis, 5.0, eye=int(hinge))
             for end, axis, hinge in zip(ends, axes, mechanism.bars[e], strict=True)
         ]
-        bodies.append(Body(f"L{e}", (*eyes, capsule(ends[0], ends[1], radius)), bar=e))
+        # The bar starts outside the pin, inside the eye.
+        inside = 4.2 * (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+        bar = capsule(ends[0] + inside, ends[1] - inside, radius)
+        bodies.append(Body(f"L{e}", (*eyes, bar), bar=e))
     for v in range(mechanism.n_hinges):
         here = levels[(mechanism.bars == v).any(axis=1)] * PITCH
         pin = cylinder([0, 0, here.min() - 3.5], [0, 0, here.max() + 3.5], 1.5)
