@@ -27,8 +27,8 @@ def label_for(shape: LinkShape, text: str, settings: LinkageSettings) -> Label |
     """
     if settings.label == "none":
         return None
-    long, wide = label_room(shape)
     depth = settings.label_depth if settings.label == "engraved" else -settings.label_depth
+    long, wide = label_room(shape, max(0.0, -depth))
     best: Label | None = None
     for stacked in (False, True):
         across, up = text_size(text, stacked=stacked)

@@ -24,8 +24,8 @@ from fabrication.linkage.motion import JOINT_CLEARANCE
 from fabrication.linkage.motion_proof import Search
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkage.shapes import Seat, heights_of, link_shapes, seats_of
-from fabrication.linkspecs import LinkShape, PinShape
-from fabrication.specs import Family, Fitting, Link, Piece, Pin, Placement, Role
+from fabrication.linkspecs import Label, LinkShape, PinShape
+from fabrication.specs import Check, Family, Fitting, Link, Piece, Pin, Placement, Role
 
 LINK_TOLERANCE: Final = 1e-6
 """Links are congruent within this [mm]: linkages with redundant bars allow no more."""
@@ -72,9 +72,10 @@ class Linkage:
     notes: tuple[str, ...]
 
     def placements_at(self, pose: Pose) -> dict[str, Placement]:
-        """Placements (4, 4) of all pieces of the mechanism in a pose, by mark.
+        """Placements (4, 4) of the mechanism's pieces in a pose, by mark, for their own shapes.
 
-        The coupon and its pin are no part of the mechanism and are left out.
+        An instance of a family may be turned against its piece: its placement in the design pose
+        tells how. The coupon and its pin are no part of the mechanism and are left out.
         """
         links = self.mechanism.bar_frames(pose)
         hinges = hinge_frames(self.mechanism, pose)
@@ -237,13 +238,36 @@ def _links(mechanism: Mechanism, levels: Ints, shapes: list[LinkShape], pose: Po
 
 
 def _labelled(link: Link, number: str, settings: LinkageSettings, notes: list[str]) -> Link:
-    """The link with its part number on it, where there is room."""
+    """The link with its part number on it, where there is room, and its checks."""
     label = label_for(link.shape, short_number(number), settings)
+    link = replace(link, checks=link_checks(link.shape, label, settings))
     if label is None:
         if settings.label != "none":
             notes.append(f"{number} has no label: its bar is too small for legible letters")
         return link
     return replace(link, shape=replace(link.shape, label=label))
+
+
+def link_checks(
+    shape: LinkShape, label: Label | None, settings: LinkageSettings
+) -> tuple[Check, ...]:
+    """What is left of a link where it is thinnest, and its letters, against the printer's limits.
+
+    Checks "wall_mm" (around the bores), "bar_mm" (across the bar, under an engraved label),
+    "stroke_mm" (of the letters, if there are any).
+    """
+    printer = settings.printer
+    wall = 0.5 * (shape.eye_diameter - max(shape.bores))
+    cut = max(0.0, label.depth) if label is not None else 0.0
+    bar = min(shape.bar_width, shape.bar_height - cut)
+    checks = [
+        Check("wall_mm", wall >= printer.wall, wall, printer.wall),
+        Check("bar_mm", bar >= printer.wall, bar, printer.wall),
+    ]
+    if label is not None:
+        fine = label.unit >= printer.stroke
+        checks.append(Check("stroke_mm", fine, label.unit, printer.stroke))
+    return tuple(checks)
 
 
 def _fittings(

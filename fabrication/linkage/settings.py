@@ -156,8 +156,10 @@ def check_settings(settings: LinkageSettings) -> None:
             f"caps of {s.cap_diameter:g} mm are wider than the eyes of {s.eye_diameter:g} mm, and "
             f"bars would meet them; make the eyes larger"
         )
-    thin = min(s.bar_width, s.bar_height)
+    thin = min(s.bar_width, s.bar_height - (s.label_depth if s.label == "engraved" else 0.0))
     if thin < limits.wall:
         raise InputError(
-            f"bars of {thin:g} mm are too thin; limit {limits.wall:g} mm ({limits.name})"
+            f"bars of {s.bar_width:g} x {s.bar_height:g} mm leave {thin:.3g} mm"
+            + (f" under letters {s.label_depth:g} mm deep" if s.label == "engraved" else "")
+            + f"; limit {limits.wall:g} mm ({limits.name})"
         )

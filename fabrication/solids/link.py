@@ -137,13 +137,12 @@ def link_boundary(shape: LinkShape) -> Boundary:
             arcs[k].append(edge)
             high = max(high, height)
         _check_eye(shape, eye, [builder.position(p) for p in corners[k]], high)
-    places = [[builder.position(p) for p in points] for points in corners]
     for i in range(n):
         j = (i + 1) % n
         here, there = (builder.line(corners[0][c], corners[1][c]) for c in (i, j))
         loops = [[arcs[0][i], there, ~arcs[1][i], ~here]]
         if i == section_top(shape):
-            loops += _label(builder, shape, frame, places)
+            loops += _label(builder, shape, eyes, frame)
         builder.plane(normals[i], loops)
     for eye, loop, bore in zip(eyes, (opposite(arcs[0]), arcs[1]), shape.bores, strict=True):
         low, high_point = (add(eye.middle, eye.axis, sign * eye.half) for sign in (-1.0, 1.0))
@@ -171,15 +170,15 @@ def _check_eye(shape: LinkShape, eye: Eye, corners: list[Vec], high: float) -> N
 
 
 def _label(
-    builder: BoundaryBuilder, shape: LinkShape, frame: Frame, corners: list[list[Vec]]
+    builder: BoundaryBuilder, shape: LinkShape, eyes: tuple[Eye, Eye], frame: Frame
 ) -> list[Coedges]:
     """Write the label on the upper side of the bar; the loops that it gets as holes."""
     label = shape.label
     if label is None:
         return []
-    size = label_size(label)
+    size, raised = label_size(label), max(0.0, -label.depth)
     needed = size[::-1] if label.stacked else size
-    for name, need, free in zip(("long", "wide"), needed, label_room(shape), strict=True):
+    for name, need, free in zip(("long", "wide"), needed, label_room(shape, raised), strict=True):
         if need > free + ROUNDING:
             raise DetailError(
                 f'the label "{label.text}" is {need:.6g} mm {name}; the bar has {free:.6g} mm '
@@ -190,7 +189,7 @@ def _label(
             f'the label "{label.text}" is {label.depth:.6g} mm deep in a bar of '
             f"{shape.bar_height:.6g} mm"
         )
-    middle, _ = label_place(shape, frame, corners)
+    middle, _ = label_place(shape, eyes, frame, raised)
     return write_label(builder, label, middle, *reading(label, frame))
 
 

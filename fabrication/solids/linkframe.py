@@ -17,15 +17,18 @@ from fabrication.solids.text import label_size
 LABEL_MARGIN: Final = 0.2
 """Least distance [mm] of a label from the border of its face."""
 
+ACROSS: Final = 16
+"""Steps across the bar in which it is measured how far the eyes reach into its upper side."""
+
 PARALLEL: Final = 1e-12
 """A side whose normal leans against an eye's axis by less is parallel and meets it in lines."""
 
-SLANTED: Final = 5e-4
+SLANTED: Final = 2e-3
 """A side that leans by less [rad] and is not parallel meets an eye in an ellipse many metres long,
 whose coordinates leave no digits: the bar is turned a little."""
 
-NUDGE: Final = 1e-3
-"""By how much [rad] a bar is turned about itself to avoid such sides: some micrometres there."""
+NUDGE: Final = 4e-3
+"""By how much [rad] a bar is turned about itself to avoid such sides: 0.01 mm at its corners."""
 
 
 @dataclass(frozen=True)
@@ -162,20 +165,30 @@ def eye_angle(eye: Eye, point: Vec) -> float:
     return math.atan2(dot(away, cross(eye.axis, eye.outward)), dot(away, eye.outward))
 
 
-def label_place(shape: LinkShape, frame: Frame, corners: list[list[Vec]]) -> tuple[Vec, float]:
-    """Middle of the upper side of the bar, and how long it is between its corners [mm]."""
-    top = section_top(shape)
-    along = [
-        [dot(add(ends[i], frame.origin, -1.0), frame.along) for i in (top, top + 1)]
-        for ends in corners
-    ]
-    low, high = max(along[0]), min(along[1])
+def label_place(
+    shape: LinkShape, eyes: tuple[Eye, Eye], frame: Frame, raised: float
+) -> tuple[Vec, float]:
+    """Middle of the upper side of the bar, and how much of its length [mm] the eyes leave free, up
+    to `raised` [mm] above it."""
+    half = shape.bar_width / 2.0 - shape.bevel
+    low, high = -math.inf, math.inf
+    for rise in (0.0, raised) if raised > 0.0 else (0.0,):
+        for k in range(ACROSS + 1):
+            foot = add(frame.origin, frame.up, shape.bar_height / 2.0 + rise)
+            foot = add(foot, frame.across, half * (2.0 * k / ACROSS - 1.0))
+            start, end = (
+                dot(add(meet(eye, foot, frame.along, sign), frame.origin, -1.0), frame.along)
+                for eye, sign in zip(eyes, (1.0, -1.0), strict=True)
+            )
+            low, high = max(low, start), min(high, end)
     middle = add(frame.origin, frame.along, 0.5 * (low + high))
     return add(middle, frame.up, shape.bar_height / 2.0), high - low
 
 
-def label_room(shape: LinkShape) -> tuple[float, float]:
+def label_room(shape: LinkShape, raised: float = 0.0) -> tuple[float, float]:
     """Length along the bar and width across it [mm] that a label may have.
+
+    raised : how far [mm] it stands out
 
     Raises
     ------
@@ -183,8 +196,7 @@ def label_room(shape: LinkShape) -> tuple[float, float]:
         The bar does not meet its eyes.
     """
     eyes = eyes_of(shape)
-    frame = bar_sides(shape, eyes)[0]
-    length = label_place(shape, frame, corner_points(shape, eyes, frame))[1]
+    length = label_place(shape, eyes, bar_sides(shape, eyes)[0], raised)[1]
     margin = 2.0 * LABEL_MARGIN
     return length - margin, shape.bar_width - 2.0 * shape.bevel - margin
 
@@ -202,7 +214,7 @@ def label_corners(shape: LinkShape) -> Floats:
     assert label is not None
     eyes = eyes_of(shape)
     frame = bar_sides(shape, eyes)[0]
-    middle, _ = label_place(shape, frame, corner_points(shape, eyes, frame))
+    middle, _ = label_place(shape, eyes, frame, max(0.0, -label.depth))
     right, up = (np.array(vec) for vec in reading(label, frame))
     width, height = label_size(label)
     foot = np.array(middle)

@@ -19,7 +19,13 @@ from fabrication.families import families
 from fabrication.linkage.coupon import coupon_shape
 from fabrication.linkage.labels import label_for, short_number
 from fabrication.linkage.levels import slanted_levels
-from fabrication.linkage.links import Linkage, detail_linkage, hinge_frames, touching_parts
+from fabrication.linkage.links import (
+    Linkage,
+    detail_linkage,
+    hinge_frames,
+    link_checks,
+    touching_parts,
+)
 from fabrication.linkage.settings import settings_for
 from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
 from fabrication.parts import PartJob, PartSettings, make_part, verify_parts
@@ -236,6 +242,17 @@ def test_labels_are_legible_where_there_is_room_and_can_be_left_out() -> None:
     assert all(p.shape.label.depth < 0 for p in raised.pieces if isinstance(p, Link))  # type: ignore[union-attr]
 
 
+def test_links_report_their_thinnest_places() -> None:
+    for piece in kit().pieces:
+        if isinstance(piece, Link):
+            checks = {check.name: (check.value, check.limit) for check in piece.checks}
+            assert checks == {"wall_mm": (3.3, 1.2), "bar_mm": (4.4, 1.2), "stroke_mm": (0.8, 0.6)}
+            assert all(check.passed for check in piece.checks)
+    weak = settings_for(label="none")
+    shape = LinkShape(60.0, 0.5, 0.0, 0.0, 10.0, 6.0, (8.0, 3.4), 1.0, 5.0)
+    assert [check.passed for check in link_checks(shape, None, weak)] == [False, False]
+
+
 def test_bars_too_small_for_a_label_go_without_and_say_so() -> None:
     found = kit(bar_width=2.0, bar_height=2.0)
     assert all(p.shape.label is None for p in found.pieces if isinstance(p, Link))
@@ -292,7 +309,8 @@ def test_a_kit_holds_one_coupon_and_its_pin_or_none() -> None:
         ({"press": -0.1}, ["press"]),
         ({"cap_floor": 0.5}, ["floor of 0.5 mm", "1.2 mm"]),
         ({"cap_diameter": 12.0}, ["caps of 12 mm", "eyes of 10 mm"]),
-        ({"bar_width": 1.0}, ["bars of 1 mm", "limit 1.2 mm"]),
+        ({"bar_width": 1.0}, ["bars of 1 x 5 mm", "limit 1.2 mm"]),
+        ({"bar_height": 1.5}, ["leave 0.9 mm under letters 0.6 mm deep", "limit 1.2 mm"]),
         ({"max_levels": 0}, ["level"]),
         ({"eye_hight": 6.0}, ['"eye_hight"', "eye_height"]),
     ],

@@ -15,7 +15,9 @@ from fabrication.checks.mesh import check_mesh, to_manifold
 from fabrication.linkage.bodies import link_body
 from fabrication.linkspecs import Label, LinkShape
 from fabrication.solids import boundary_of, mesh_of, properties_of, second_volume_of, volume_of
-from fabrication.solids.linkframe import bar_corners, bar_radius
+from fabrication.solids.linkframe import bar_corners, bar_radius, label_room
+from fabrication.solids.properties import properties
+from fabrication.solids.tessellate import tessellate
 from fabrication.solids.text import GLYPHS, text_dots, text_outlines, text_size
 
 
@@ -66,6 +68,45 @@ def test_every_twist_gives_a_solid(
     assert second_volume_of(shape) == pytest.approx(exact.volume, rel=1e-11)
     checks = check_mesh(mesh_of(shape), volume=exact.volume, area=exact.area, chord=0.05, genus=2)
     assert all(check.passed for check in checks), checks
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_whatever_is_accepted_is_a_solid_with_its_label(seed: int) -> None:
+    """Random links, most of them refused: bars near the edges of eyes, labels between them."""
+    random = np.random.default_rng(seed)
+    made = 0
+    for _ in range(12):
+        width, height = random.uniform(1.5, 8.0, 2)
+        eye = random.uniform(6.0, 20.0)
+        shape = LinkShape(
+            random.uniform(eye, 60.0),
+            random.uniform(-math.pi, math.pi) * random.choice([1.0, 1e-3]),
+            *random.normal(0.0, 3.0, 2),
+            eye,
+            random.uniform(height, 3 * height),
+            (2.0, 3.0),
+            width,
+            height,
+            random.choice([0.0, 0.2, 0.29]) * min(width, height),
+        )
+        for depth in (0.5, -0.5):
+            try:
+                room = label_room(shape, max(0.0, -depth))
+                unit = min(room[0] / 7, room[1] / 5)
+                boundary = boundary_of(replace(shape, label=Label("L9", unit, depth)))
+            except DetailError:
+                continue
+            made += 1
+            assert boundary is not None
+            boundary.validate()
+            exact = properties(boundary)
+            again = second_volume_of(replace(shape, label=Label("L9", unit, depth)))
+            assert again == pytest.approx(exact.volume, rel=1e-9)
+            checks = check_mesh(
+                tessellate(boundary), volume=exact.volume, area=exact.area, chord=0.05, genus=2
+            )
+            assert all(check.passed for check in checks), (shape, checks)
+    assert made > 3
 
 
 def test_volume_by_manifold_boolean() -> None:
