@@ -1,4 +1,4 @@
-"""Pictures of docs/nets.md: every kind of net at its defaults, drawn off-screen by pyvista.
+"""Pictures of docs/nets.md: every kind of net there at its defaults, drawn off-screen by pyvista.
 
 python docs/make_pictures.py [KIND ...]
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.nets.registry import generate, kinds
+from ddgfab.nets.registry import generate
 from ddgfab.offsets import face_offset, vertex_offset
 
 FOLDER = Path(__file__).parent / "nets"
@@ -117,7 +117,7 @@ def frame(show: object, points: Floats, towards: Floats) -> None:
 def main() -> None:
     """Draw the kinds named, or all."""
     FOLDER.mkdir(exist_ok=True)
-    for kind in sys.argv[1:] or kinds():
+    for kind in sys.argv[1:] or VIEWS:
         path = picture(kind)
         sys.stdout.write(f"{path.name}: {path.stat().st_size // 1024} kB\n")
 

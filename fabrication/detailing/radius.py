@@ -118,7 +118,7 @@ def node_size(arms: Arms, width: float, profile: Profile, project: Project) -> N
                 return size
         raise DetailError(
             f"{_forced(arms, worst)}, which needs a diameter of {2 * needed:.1f} mm; the series "
-            f"ends at {series[-1]:g} mm\ntake a narrower [beam] profile{_middle(width, profile)} "
+            f"ends at {series[-1]:g} mm\ntake a narrower [beam] profile{_middle(width, profile, project)} "
             f"or a larger [node] series_mm"
         )
     size = _size(settings.diameter_mm, needed, int(arms.node[worst]), width, project)
@@ -147,9 +147,12 @@ def _size(
     return NodeSize(radius, bore, seat, cut, width, needed, forced_by)
 
 
-def _middle(width: float, profile: Profile) -> str:
-    """What helps beside a narrower profile where torsion rolls it."""
-    return "" if width == profile.width else ", [beam] eccentricity_mm = half its depth,"
+def _middle(width: float, profile: Profile, project: Project) -> str:
+    """What helps beside a narrower profile where torsion rolls it about an edge off its middle."""
+    centred = -0.5 * sum(z_range(profile))
+    if width == profile.width or project.beam.eccentricity_mm == centred:
+        return ""
+    return f", [beam] eccentricity_mm = {centred:g}"
 
 
 def _rolled(width: float, profile: Profile) -> str:
