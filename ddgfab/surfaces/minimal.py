@@ -21,7 +21,16 @@ Complexes = NDArray[np.complex128]
 Function = Callable[[Complexes], Complexes]
 
 NODES = 24
-"""Gauss points on each straight way from one parameter to the next."""
+"""Gauss points on each part of a straight way of integration."""
+
+MOST_PARTS = 64
+"""Parts into which a way is divided at most."""
+
+SETTLED = 1e-12
+"""An integral has settled when twice the parts change it by less than this part of it."""
+
+LENGTH_SETTLED = 1e-3
+"""The length of a way has settled when twice the parts change it by less than this part of it."""
 
 
 @dataclass(frozen=True)
@@ -40,24 +49,43 @@ class Weierstrass:
     def points(self, z: ArrayLike, start: complex = 0.0) -> Floats:
         """(..., 3) points at parameters z, the integral from `start` along straight ways.
 
-        The data must be holomorphic near the segments from `start` to z.
+        Gauss's rule on ever more parts of the way, until the points stay.
 
         Raises
         ------
         DegenerateError
-            The data are not finite on a way; names the parameter.
+            The points do not settle: a pole or branch point on a way or at its end, or a way too
+            long; names the parameter.
         """
         ends = np.asarray(z, dtype=np.complex128)
+        before, length_before = np.full((*ends.shape, 3), np.inf), np.full(ends.shape, np.inf)
+        parts = 1
+        while parts <= MOST_PARTS:
+            with np.errstate(all="ignore"):  # poles are told below
+                points, length = self._integral(ends, start, parts)
+                change = np.abs(points - before).max(axis=-1)
+                settled = change <= SETTLED * np.maximum(1.0, np.abs(points).max(axis=-1))
+                # The two sides of a pole may cancel; lengths of ways through it grow for ever.
+                settled &= np.abs(length - length_before) <= LENGTH_SETTLED * length
+            if settled.all():
+                return points
+            before, length_before, parts = points, length, 2 * parts
+        raise DegenerateError(
+            f"the integral from {start} to {ends[~settled].flat[0]} does not settle: a pole or "
+            "branch point on the way or at its end, or a way too long\n"
+            "integrate in shorter steps round it"
+        )
+
+    def _integral(self, ends: Complexes, start: complex, parts: int) -> tuple[Floats, Floats]:
+        """Points, and lengths of the complex ways that they are real parts of."""
         node, weight = np.polynomial.legendre.leggauss(NODES)
-        way = start + 0.5 * (node + 1.0) * (ends - start)[..., None]
-        forms = self._forms(way)
-        bad = ~np.isfinite(forms).all(axis=-1).all(axis=-1)
-        if bad.any():
-            raise DegenerateError(
-                f"f or g is not finite between {start} and {ends[bad].flat[0]}: a pole on the way"
-            )
-        step = 0.5 * (ends - start)[..., None]
-        return np.asarray((np.einsum("...nx,n->...x", forms, weight) * step).real)
+        weights = np.tile(weight, parts)
+        place = ((np.arange(parts)[:, None] + 0.5 * (node + 1.0)) / parts).ravel()
+        forms = self._forms(start + place * (ends - start)[..., None])
+        step = (ends - start) * (0.5 / parts)
+        points = (np.einsum("...nx,n->...x", forms, weights) * step[..., None]).real
+        lengths = np.linalg.norm(forms, axis=-1) @ weights * np.abs(step)
+        return np.asarray(points), np.asarray(lengths)
 
     def net(self, u: ArrayLike, v: ArrayLike, start: complex = 0.0) -> Floats:
         """(M, N, 3) points at u + i v for all pairs of u (M,) and v (N,)."""
