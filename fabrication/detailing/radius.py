@@ -118,8 +118,8 @@ def node_size(arms: Arms, width: float, profile: Profile, project: Project) -> N
                 return size
         raise DetailError(
             f"{_forced(arms, worst)}, which needs a diameter of {2 * needed:.1f} mm; the series "
-            f"ends at {series[-1]:g} mm\ntake a narrower [beam] profile{_middle(width, profile, project)} "
-            f"or a larger [node] series_mm"
+            f"ends at {series[-1]:g} mm\ntake a narrower [beam] profile"
+            f"{_middle(width, profile, project)} or a larger [node] series_mm"
         )
     size = _size(settings.diameter_mm, needed, int(arms.node[worst]), width, project)
     if size.radius < needed - RADIUS_SLACK:
