@@ -17,7 +17,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ddgfab.mesh import Floats, Ints
-from fabrication.linkage.congruence import fitting_variants, link_variants
+from fabrication.linkshapes import fitting_variants, link_variants
 from fabrication.shapes import beam_variants, node_variants, panel_variants, shape_key
 from fabrication.specs import Family, Instance, Piece, Role
 from fabrication.variants import Variants

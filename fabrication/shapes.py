@@ -9,7 +9,7 @@ from typing import Final, cast
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.linkage.congruence import linkage_key
+from fabrication.linkshapes import linkage_key
 from fabrication.specs import BeamShape, EndCut, NodeShape, PanelShape, Piece, Profile, Shape
 from fabrication.standards.profiles import is_mirror, z_range
 from fabrication.variants import DECIMALS, Variants, key_of

@@ -18,10 +18,10 @@ from scipy.spatial import cKDTree
 from ddgfab.errors import DetailError
 from ddgfab.linkages import Mechanism, Pose
 from ddgfab.mesh import Floats, Ints
-from fabrication.linkage.congruence import link_key_of
 from fabrication.linkage.contacts import segment_difference
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkage.shapes import heights_of, link_shapes, seats_of
+from fabrication.linkshapes import link_key_of
 from fabrication.linkspecs import LinkShape
 from fabrication.solids.link import link_boundary
 from fabrication.solids.linkframe import bar_radius, eyes_of
