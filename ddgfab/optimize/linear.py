@@ -4,8 +4,9 @@ Matrices are positive definite or quasi-definite (positive block, negative block
 so that they factor without pivoting in any order. The order that keeps factors sparse is found
 once and used again as long as the pattern of entries stays.
 
-``pypardiso`` (Intel MKL) is picked when it is installed: it factors the large systems of the direct
-route several times faster. CHOLMOD is not offered: its fast part is under the GPL.
+``pypardiso`` (Intel MKL) is picked for large systems when it is installed: it factors those of the
+direct route several times faster (and small ones slower). CHOLMOD is not offered: its fast part is
+under the GPL.
 """
 
 from __future__ import annotations
@@ -28,6 +29,9 @@ Solve = Callable[[Floats], Floats]
 _PARDISO = "pypardiso"
 _SCIPY = "scipy"
 
+_LARGE = 20_000
+"""Unknowns from which on another package than scipy pays."""
+
 _SYMMETRIC_INDEFINITE = -2
 _ANALYSE_AND_FACTOR, _FACTOR, _SOLVE = 12, 22, 33
 """Matrix type and phases of PARDISO."""
@@ -37,7 +41,7 @@ class SymmetricSolver:
     """Factors symmetric matrices that share a pattern; the ordering is kept between calls."""
 
     def __init__(self, backend: str | None = None) -> None:
-        """Choose a package of `available`; the first by default.
+        """Choose a package of `available`; by default scipy, and the first for large systems.
 
         Raises
         ------
@@ -47,7 +51,7 @@ class SymmetricSolver:
         offered = self.available()
         if backend is not None and backend not in offered:
             raise InputError(f"solver {backend!r} is not here; available: {', '.join(offered)}")
-        self.backend = backend or offered[0]
+        self._backend = backend
         self._pattern: tuple[Any, Any] | None = None
         self._order: Ints | None = None
         self._pardiso: Any = None
@@ -74,7 +78,9 @@ class SymmetricSolver:
         if not known:
             self._pattern = (system.indptr.copy(), system.indices.copy())
             self._order = None
-        factor = self._by_pardiso if self.backend == _PARDISO else self._by_scipy
+        large = self.available()[0] if system.shape[0] >= _LARGE else _SCIPY
+        chosen = self._backend or large
+        factor = self._by_pardiso if chosen == _PARDISO else self._by_scipy
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error", MatrixRankWarning)

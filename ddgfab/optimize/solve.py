@@ -42,7 +42,7 @@ class SolveOptions:
     iterative: bool = True
     """Conjugate gradients where the soft terms allow them; otherwise always factor the system."""
     backend: str | None = None
-    """Package that factors, of `SymmetricSolver.available`; the fastest by default."""
+    """Package that factors, of `SymmetricSolver.available`; by default chosen by size."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class _Stepper:
         self._solver = SymmetricSolver(options.backend)
         self._metric = None
         if options.iterative and any(t.hard for t in problem.terms):
-            self._metric = FairMetric.of(problem, options.damping, options.backend)
+            self._metric = FairMetric.of(problem, options.damping)
 
     @property
     def damped(self) -> bool:

@@ -150,7 +150,7 @@ class FairMetric:
     """(free V,) the matrix where it is diagonal."""
 
     @staticmethod
-    def of(problem: Problem, damping: float, backend: str | None = None) -> FairMetric | None:
+    def of(problem: Problem, damping: float) -> FairMetric | None:
         """None where the soft terms are of another kind, or unknowns are held one by one."""
         count = problem.mesh.n_vertices
         soft = [t for t in problem.terms if not t.hard]
@@ -167,4 +167,5 @@ class FairMetric:
             total = total + term.weight * (part.T @ part)
         matrix = csr_array(total)
         diagonal = matrix.diagonal() if matrix.nnz == len(kept) else None
-        return FairMetric(SymmetricSolver(backend).factor(matrix), diagonal)
+        # One factorisation, hundreds of solves: scipy is as fast as any there.
+        return FairMetric(SymmetricSolver("scipy").factor(matrix), diagonal)

@@ -41,6 +41,8 @@ class RecipeOptions:
     """Meshes with more faces take the first stiffness that works."""
     max_steps: int = 25
     """Steps for a stiffness."""
+    backend: str | None = None
+    """Package that factors, of `SymmetricSolver.available`; by default chosen by size."""
 
 
 @dataclass(frozen=True)
@@ -135,9 +137,13 @@ def _attempt(task: Task, stiffness: Stiffness, start: Mesh, before: Quality) -> 
         tolerance=_ROUGH if task.iterative else _FINE,
         decrease=_DECREASE,
         iterative=task.iterative,
+        backend=options.backend,
     )
     last = SolveOptions(
-        max_steps=_LAST_STEPS, tolerance=options.tolerance, regularisation=_LAST_REGULARISATION
+        max_steps=_LAST_STEPS,
+        tolerance=options.tolerance,
+        regularisation=_LAST_REGULARISATION,
+        backend=options.backend,
     )
     try:
         found = solve(problem, rough, throw=False, progress=told(stage))
