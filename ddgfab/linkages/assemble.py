@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ddgfab.linkages.lattice import Grid
+from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Drive, Mechanism, Pose, bar_lengths, signed_twists
 from ddgfab.linkages.mobility import mobility
 from ddgfab.mesh import Floats, Ints

@@ -9,7 +9,8 @@ import numpy as np
 
 from ddgfab.errors import InputError
 from ddgfab.linkages.assemble import assemble
-from ddgfab.linkages.lattice import Grid, Lattice
+from ddgfab.linkages.grid import Grid
+from ddgfab.linkages.lattice import Lattice
 from ddgfab.linkages.lengths import positive_length, proper_twist, same_ratio, second_twist
 from ddgfab.linkages.mechanism import Mechanism
 

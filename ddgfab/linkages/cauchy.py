@@ -51,18 +51,14 @@ def walk(n: Numbers, edge: Numbers, deltas: Numbers, turns: Numbers, sign: float
 def line(
     n: Numbers, edge: Numbers, deltas: Numbers, turns: Numbers, anchor: int, sign: float
 ) -> Numbers:
-    """(k + 1, T, 3) normals of a whole line from the normal and edge at vertex `anchor` of it.
-
-    `edge` is the direction of the edge that leaves the anchor; at the last vertex, of the edge
-    that arrives, so that lines may be anchored there too.
+    """(k + 1, T, 3) normals of a whole line from the normal at vertex `anchor`, not its last one,
+    and the direction of the edge that leaves it there.
     """
     ahead = walk(n, edge, deltas[anchor:], turns[anchor:], sign)
     if not anchor:
         return ahead
-    back = -edge
-    if anchor < len(deltas):
-        c, s = np.cos(turns[anchor - 1])[:, None], np.sin(turns[anchor - 1])[:, None]
-        back = c * back - s * np.cross(n, back)
+    c, s = np.cos(turns[anchor - 1])[:, None], np.sin(turns[anchor - 1])[:, None]
+    back = -c * edge + s * np.cross(n, edge)
     behind = walk(n, back, deltas[:anchor][::-1], -turns[: anchor - 1][::-1], sign)
     return np.concatenate([behind[:0:-1], ahead])
 

@@ -13,7 +13,7 @@ from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages.assemble import assemble, crossings
 from ddgfab.linkages.cauchy import Numbers
 from ddgfab.linkages.crab_rates import crab_bounds
-from ddgfab.linkages.lattice import Grid
+from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Bounds, Mechanism
 from ddgfab.mesh import Floats, Ints
 from ddgfab.nets.knet_crab import CrabNet
@@ -148,11 +148,14 @@ def crab_mechanism(net: CrabNet, *, scale_mm: float = 1.0) -> Mechanism:
 
 
 def _limits(drive: CrabDrive, design: float) -> tuple[float, float]:
-    """Angles theta_0 around the design with |sin(theta_0)| sin(gamma) < sin(delta)."""
-    turn = np.floor(design / np.pi) * np.pi
+    """Angles theta_0 around the design with |sin(theta_0)| sin(gamma) < sin(delta).
+
+    Where all angles are, a whole turn.
+    """
     ratio = np.sin(drive.delta) / np.sin(drive.gamma)
     if ratio > 1:
-        return float(turn), float(turn + np.pi)
+        return design - np.pi, design + np.pi
+    turn = np.floor(design / np.pi) * np.pi
     room = float(np.arcsin(ratio)) - END_ROOM
     if design - turn < np.pi / 2:
         return float(turn - room), float(turn + room)

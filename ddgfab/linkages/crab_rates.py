@@ -18,7 +18,7 @@ from ddgfab.mesh import Floats
 
 if TYPE_CHECKING:
     from ddgfab.linkages.crab import CrabDrive
-    from ddgfab.linkages.lattice import Grid
+    from ddgfab.linkages.grid import Grid
 
 
 def crab_bounds(drive: CrabDrive, grid: Grid, ts: Floats, half: Floats) -> Bounds:

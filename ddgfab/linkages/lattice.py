@@ -7,14 +7,13 @@ driving angle; the net follows by half-turns. Source: maths.md 3.5, 4.3, 4.4.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
 from ddgfab.linkages.cauchy import Numbers, evolve, line, points_of
 from ddgfab.linkages.mechanism import Bounds
 from ddgfab.linkages.rates import lattice_bounds
-from ddgfab.mesh import Floats, Ints
+from ddgfab.mesh import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +28,7 @@ class Lattice:
     corners : (d - 1,) angles at the anchor from the edge of direction 0 to that of direction k, in
         radians
     r : scale [mm]: bars have lengths r sin(delta)
-    anchor : index of the vertex the lines go through; the edges at it are those that leave it, or
-        arrive where it is the last
+    anchor : index of the vertex the lines go through; not the last in any direction
     design : driving angle t of these data [rad]
     turn_rates, corner_rates : derivatives of turns and corners by t
     """
@@ -98,46 +96,3 @@ class Lattice:
     def bounds(self, ts: Floats, half: Floats) -> Bounds:
         """See `ddgfab.linkages.rates.lattice_bounds`."""
         return lattice_bounds(self, ts, half)
-
-
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """Bars and isograms of a box: hinge ids row by row.
-
-    bars (E, 2) by direction, then by vertex; directions, strips (E,); cells (F, 4) around isograms;
-    planes (F, 2) directions of each isogram
-    """
-
-    bars: Ints
-    directions: Ints
-    strips: Ints
-    cells: Ints
-    planes: Ints
-
-    @staticmethod
-    def build(shape: tuple[int, ...]) -> Grid:
-        """Of a box with so many vertices in each direction."""
-        d = len(shape)
-        ids = np.arange(int(np.prod(shape))).reshape(shape)
-
-        def part(steps: dict[int, slice]) -> Ints:
-            return ids[tuple(steps.get(a, slice(None)) for a in range(d))]
-
-        low, high = slice(None, -1), slice(1, None)
-        bars, directions, strips = [], [], []
-        first = 0
-        for k in range(d):
-            start, end = part({k: low}), part({k: high})
-            bars.append(np.stack([start.ravel(), end.ravel()], axis=1))
-            directions.append(np.full(start.size, k))
-            strips.append(first + np.indices(start.shape)[k].ravel())
-            first += shape[k] - 1
-        cells, planes = [], []
-        for k, other in combinations(range(d), 2):
-            corners = [
-                part({k: a, other: b})
-                for a, b in ((low, low), (high, low), (high, high), (low, high))
-            ]
-            cells.append(np.stack([c.ravel() for c in corners], axis=1))
-            planes.append(np.tile([k, other], (corners[0].size, 1)))
-        return Grid(*map(np.concatenate, (bars, directions, strips, cells, planes)))

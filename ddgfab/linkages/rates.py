@@ -15,6 +15,7 @@ import numpy as np
 
 from ddgfab.linkages.cauchy import points_of
 from ddgfab.linkages.frames import angular_velocity, frames_and_rates
+from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Bounds
 from ddgfab.linkages.models import TINY, Model, closing
 from ddgfab.mesh import Floats
@@ -98,12 +99,8 @@ class _Spread:
         if vertex == self.anchor:
             for k in range(1, self.d):
                 rate = float(self.lattice.corner_rates[k - 1])
-                links.append((self._given(0), self._given(k), Model.linear(rate, self.count)))
+                links.append(((0, 1), (k, 1), Model.linear(rate, self.count)))
         return _spanning(self._arms(vertex), links, self.count)
-
-    def _given(self, k: int) -> Arm:
-        """The arm of the anchor whose direction the Cauchy data give."""
-        return (k, 1 if self.anchor[k] < self.shape[k] - 1 else -1)
 
     def _cross(self, vertex: Vertex) -> None:
         """Carry angles at a hinge across the isograms at it that are not known yet."""
@@ -139,8 +136,6 @@ class _Spread:
     # --- bodies ------------------------------------------------------------------------------
     def bounds(self) -> Bounds:
         """Spins and accelerations, bar by bar away from the anchor."""
-        from ddgfab.linkages.lattice import Grid
-
         grid = Grid.build(self.shape)
         ids = np.arange(int(np.prod(self.shape))).reshape(self.shape)
         bar_of = {(int(i), int(j)): e for e, (i, j) in enumerate(grid.bars)}
@@ -158,7 +153,7 @@ class _Spread:
             start, end = int(ids[vertex]), int(ids[self._end(vertex, arm)])
             return bar_of[(start, end) if arm[1] > 0 else (end, start)]
 
-        fixed = bar(self.anchor, self._given(0))
+        fixed = bar(self.anchor, (0, 1))
         spin_rate[:, fixed] = spin[:, fixed] = 0.0
         done[fixed] = True
         acceleration[:, ids[self.anchor]] = 0.0

@@ -11,7 +11,8 @@ import numpy as np
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages.assemble import assemble
-from ddgfab.linkages.lattice import Grid, Lattice
+from ddgfab.linkages.grid import Grid
+from ddgfab.linkages.lattice import Lattice
 from ddgfab.linkages.mechanism import Mechanism
 from ddgfab.mesh import Floats
 from ddgfab.nets.knet import KNet, oriented_angle

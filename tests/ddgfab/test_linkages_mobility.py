@@ -7,7 +7,7 @@ import pytest
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages import Pose, bennett, crab_mechanism, cube, flex, knet_mechanism, mobility
-from ddgfab.linkages.lattice import Grid
+from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mobility import linkage_jacobian
 from ddgfab.nets.knet import KNet, knet
 from ddgfab.nets.knet_crab import crab_net
