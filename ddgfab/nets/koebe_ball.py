@@ -43,7 +43,7 @@ def koebe_ball(
         str, About("combinatorics of the panels", choices=(*SHAPES, "file"))
     ] = "goldberg",
     cells: Annotated[
-        int, About("cells on an edge of the shape; sides of a prism or antiprism", 1, 300)
+        int, About("cells on an edge of the shape; sides of a prism or antiprism", 1, 100)
     ] = 4,
     radius_mm: Annotated[float, About("radius of the sphere that all edges touch", 1e-3)] = 7000.0,
     base: Annotated[

@@ -172,12 +172,12 @@ class CirclePattern:
         return np.where(self.lines, np.inf, np.exp(rho)), tuple(history)
 
     def _newton_step(self, rho: Floats, slope: Floats) -> Floats:
-        """Newton's step with the first circle of greatest degree held."""
+        """Newton's step with one circle held, that of the greatest weights."""
+        matrix = self.hessian(rho)
         free = np.flatnonzero(~self.lines)
-        weights = self.hessian(rho).diagonal()[free]
-        free = np.delete(free, int(weights.argmax()))
+        free = np.delete(free, int(matrix.diagonal()[free].argmax()))
         factor = splu(
-            self.hessian(rho)[free][:, free],
+            matrix[free][:, free],
             permc_spec="MMD_AT_PLUS_A",
             options={"SymmetricMode": True},
             diag_pivot_thresh=0.0,  # positive definite

@@ -57,16 +57,14 @@ def from_cells(file: str, name: str, sheets: int = 1) -> MinimalNet:
 def minimal_roof(
     surface: Annotated[str, About("which minimal surface", choices=SURFACES)] = "catenoid",
     panel_mm: Annotated[float, About("median length of the edges", 1e-3)] = 1500.0,
-    panels_around: Annotated[
-        int, About("catenoid, helicoid: panels in a full turn", 3, 1000)
-    ] = 24,
+    panels_around: Annotated[int, About("catenoid, helicoid: panels in a full turn", 3, 1000)] = 24,
     rings_below: Annotated[int, About("catenoid, helicoid: rings below the waist", 0, 200)] = 3,
     rings_above: Annotated[int, About("catenoid, helicoid: rings above the waist", 0, 200)] = 3,
     columns: Annotated[
         int, About("catenoid, helicoid: panels round a net cut open; 0: closed", 0, 4000)
     ] = 0,
     cells: Annotated[
-        int, About("enneper, scherk, schwarz: cells on a side of the piece", 1, 300)
+        int, About("enneper, scherk, schwarz: cells on a side of the piece", 1, 100)
     ] = 8,
     reach: Annotated[
         float,

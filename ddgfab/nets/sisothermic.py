@@ -268,7 +268,7 @@ def dual_face(points: ArrayLike) -> Floats:
     return np.asarray(0.5 * (from_next + from_last))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Dual:
     """The dual of an s-isothermic net.
 
@@ -337,9 +337,7 @@ def integrate(mesh: Mesh, edges: Floats, closing: float = CLOSING) -> tuple[Floa
         raise DegenerateError(
             f"the net does not close: edge {worst} misses by {miss[worst] / diameter:.1e} of the "
             f"diameter (limit {closing:g})\n"
-            + (
-                "it is not s-isothermic, or not simply connected with a period of this size: cut "
-                "it open or take a simply connected piece"
-            )
+            "it is not s-isothermic, or not simply connected with a period of this size: cut it "
+            "open or take a simply connected piece"
         )
     return points, float(miss[worst] / diameter)

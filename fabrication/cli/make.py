@@ -87,6 +87,11 @@ def _report(plan: Design, result: JobResult, seconds: float) -> None:
         f"lean max {support.lean_deg_max:.1f}, mean {support.lean_deg_mean:.1f} deg, "
         f"worst {_named('N', support.worst_vertices(3))}"
     )
+    if support.kind == "edge" and support.beam_height_spread is not None:
+        typer.echo(
+            "edge offset: beams of one height meet at the nodes with their lower edges too "
+            f"(heights agree to {support.beam_height_spread:.1e})"
+        )
     typer.echo(
         f"{len(manifest['parts'])} parts of {numbers} part numbers; "
         f"{checks['passed']} checks passed, {checks['failed']} failed; {seconds:.1f} s"

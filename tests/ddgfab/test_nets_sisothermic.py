@@ -194,7 +194,7 @@ def test_labels_that_cannot_be_name_the_faces() -> None:
     ring = piece(mesh, np.setdiff1d(second, near))
     with pytest.raises(MeshError, match=r"it fails on a ring round a hole \(faces \d"):
         label_edges(ring.mesh)
-    for advice in ("double_cover", "piece"):
+    for advice in ("branched double cover", "simply connected piece"):
         with pytest.raises(MeshError, match=advice):
             label_edges(mesh)
 
