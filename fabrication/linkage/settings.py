@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
@@ -86,9 +87,9 @@ def settings_for(
         An unknown name, or a number that is not positive where it has to be.
     """
     preset = printer(printer_key)
-    diameter = given.get("pin_diameter") or (
-        preset.metal_pin if pin == "metal" else preset.printed_pin
-    )
+    given = {name: value for name, value in given.items() if value is not None}
+    diameter = given.get("pin_diameter", preset.metal_pin if pin == "metal" else preset.printed_pin)
+    bar = min(given.get("bar_width", BAR), given.get("bar_height", BAR))
     defaults: dict[str, Any] = {
         "pin_diameter": diameter,
         "clearance": preset.clearance,
@@ -98,7 +99,7 @@ def settings_for(
         "eye_height": 6.0,
         "bar_width": BAR,
         "bar_height": BAR,
-        "bevel": BEVEL * min(given.get("bar_width") or BAR, given.get("bar_height") or BAR),
+        "bevel": BEVEL * bar,
         "cap_diameter": max(6.0, diameter + 2.0 * preset.press + 2.4 * preset.wall),
         "cap_grip": 3.0,
         "cap_floor": 1.2,
@@ -111,8 +112,7 @@ def settings_for(
     unknown = [name for name in given if name not in defaults]
     if unknown:
         raise InputError(f'there is no setting "{unknown[0]}"; known: {", ".join(defaults)}')
-    values = defaults | {name: value for name, value in given.items() if value is not None}
-    settings = LinkageSettings(printer=preset, pin=pin, **values)
+    settings = LinkageSettings(printer=preset, pin=pin, **(defaults | given))
     check_settings(settings)
     return settings
 
@@ -124,10 +124,13 @@ def check_settings(settings: LinkageSettings) -> None:
         "pin_diameter", "clearance", "axial_gap", "eye_diameter", "eye_height", "bar_width",
         "bar_height", "cap_diameter", "cap_grip", "cap_floor", "head_height", "label_depth",
     ):  # fmt: skip
-        if not getattr(s, name) > 0.0:
+        if not 0.0 < getattr(s, name) < math.inf:
             raise InputError(f"{name} is {getattr(s, name):g} mm; it must be positive")
-    if s.press < 0.0 or s.bevel < 0.0 or s.max_levels < 1:
-        raise InputError("press and bevel cannot be negative, and there is at least one level")
+    for name in ("press", "bevel"):
+        if not 0.0 <= getattr(s, name) < math.inf:
+            raise InputError(f"{name} is {getattr(s, name):g} mm; it cannot be negative")
+    if s.max_levels < 1:
+        raise InputError(f"max_levels is {s.max_levels}; bars need one level or more")
     wall = 0.5 * (s.eye_diameter - s.bore)
     if wall < limits.wall:
         most = s.eye_diameter - 2.0 * (limits.wall + s.clearance)
@@ -150,6 +153,11 @@ def check_settings(settings: LinkageSettings) -> None:
         raise InputError(
             f"the caps' wall of {wall:.3g} mm and floor of {s.cap_floor:g} mm must be "
             f"{limits.wall:g} mm or more ({limits.name})"
+        )
+    if s.cap_diameter < s.bore + limits.wall:
+        raise InputError(
+            f"caps of {s.cap_diameter:g} mm do not hold eyes with bores of {s.bore:g} mm; make "
+            f"them {s.bore + limits.wall:g} mm or more"
         )
     if s.cap_diameter > s.eye_diameter:
         raise InputError(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from test_linkage_levels import box, loop, net
 
 from ddgfab.errors import DetailError, InputError, ProjectError
@@ -27,7 +29,7 @@ from fabrication.linkage.links import (
     touching_parts,
 )
 from fabrication.linkage.settings import settings_for
-from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
+from fabrication.linkspecs import CouponShape, Label, LinkShape, PinShape, RingShape
 from fabrication.parts import PartJob, PartSettings, make_part, verify_parts
 from fabrication.solids import boundary_of, mesh_of
 from fabrication.specs import Fitting, Link, Pin
@@ -159,28 +161,65 @@ def test_every_piece_has_one_number_and_links_carry_it(made: Linkage) -> None:
             assert family.shape.label.text == short_number(family.number)
 
 
-def test_placements_of_families_agree_with_those_of_the_pose(made: Linkage) -> None:
-    """A turned instance fills the same space as its piece, but for its label."""
+def test_instances_fill_the_space_of_their_pieces(made: Linkage) -> None:
+    """Also where a turned part serves: the corners of the exact boundaries coincide."""
     own = {piece.mark: piece for piece in made.pieces}
+    turned = 0
     for family in made.families:
-        bare = family.shape
         for instance in family.instances:
-            shape = own[instance.mark].shape
-            here, there = (
-                np.sort(np.round(mesh_of(s).vertices @ at[:3, :3].T + at[:3, 3], 6), axis=0)
-                for s, at in (
-                    (_bare(bare), instance.placement),
-                    (_bare(shape), own[instance.mark].placement),
-                )
-            )
-            assert np.abs(here.min(axis=0) - there.min(axis=0)).max() < 0.05
-            assert np.abs(here.max(axis=0) - there.max(axis=0)).max() < 0.05
+            piece = own[instance.mark]
+            places = []
+            for shape, at in (
+                (family.shape, instance.placement),
+                (piece.shape, piece.placement),
+            ):
+                boundary = boundary_of(_bare(shape))
+                assert boundary is not None
+                places.append(cKDTree(boundary.points @ at[:3, :3].T + at[:3, 3]))
+            turned += int(not np.allclose(instance.placement, piece.placement))
+            for one, two in (places, places[::-1]):
+                assert one.query(two.data)[0].max() < 1e-9
+    equal = made.mechanism.kind == "knet" and len(np.unique(made.mechanism.lengths.round(9))) == 1
+    assert (turned > 0) == equal  # strips of one length on opposite levels share a number
+
+
+def shapes_of(*links: LinkShape) -> list[Link]:
+    nothing = np.eye(4)
+    return [
+        Link(f"L-{k:04d}", k, (0, 1), ("", ""), 0, 0, (0, 0), shape, nothing)
+        for k, shape in enumerate(links)
+    ]
+
+
+def test_which_links_are_congruent() -> None:
+    """Turned over, end for end, and both; not mirrored, not with only the bores exchanged."""
+    base = LinkShape(80.0, 0.6, 3.2, -9.6, 10.0, 6.0, (3.4, 3.4), 5.0, 5.0, 1.0)
+    same = [
+        base,
+        replace(base, start=-3.2, end=9.6),
+        replace(base, start=-9.6, end=3.2),
+        replace(base, start=9.6, end=-3.2),
+        replace(base, label=Label("L7", 0.5, 0.5)),
+    ]
+    assert [len(f.instances) for f in families(shapes_of(*same), 1e-6)] == [5]
+    others = [
+        replace(base, twist=-0.6),
+        replace(base, start=3.2, end=9.6),
+        replace(base, length=80.001),
+        replace(base, twist=0.6001),
+        replace(base, bar_width=4.0),
+        replace(base, bores=(3.4, 4.4)),
+    ]
+    for other in others:
+        assert len(families(shapes_of(base, other), 1e-6)) == 2, other
+    stepped = replace(base, bores=(3.4, 4.4))
+    back = replace(stepped, bores=(4.4, 3.4), start=stepped.end, end=stepped.start)
+    assert len(families(shapes_of(stepped, back), 1e-6)) == 1
+    assert len(families(shapes_of(stepped, replace(back, start=3.2, end=-9.6)), 1e-6)) == 2
 
 
 def _bare(shape: Any) -> Any:
-    if isinstance(shape, LinkShape):
-        return LinkShape(**{**vars(shape), "label": None})
-    return shape
+    return replace(shape, label=None) if isinstance(shape, LinkShape) else shape
 
 
 def test_equal_strips_of_a_net_take_two_links() -> None:
@@ -306,12 +345,16 @@ def test_a_kit_holds_one_coupon_and_its_pin_or_none() -> None:
         ({"pin_diameter": 1.0}, ["bore of 1.4 mm closes", "limit 2 mm"]),
         ({"eye_height": 0.0}, ["eye_height is 0 mm"]),
         ({"clearance": -0.1}, ["clearance is -0.1 mm"]),
-        ({"press": -0.1}, ["press"]),
+        ({"press": -0.1}, ["press is -0.1 mm"]),
+        ({"pin_diameter": 0.0}, ["pin_diameter is 0 mm"]),
+        ({"bevel": float("nan")}, ["bevel is nan mm"]),
+        ({"eye_diameter": float("inf")}, ["eye_diameter is inf mm"]),
+        ({"clearance": 1.5}, ["caps of 6 mm", "bores of 6 mm", "7.2 mm or more"]),
         ({"cap_floor": 0.5}, ["floor of 0.5 mm", "1.2 mm"]),
         ({"cap_diameter": 12.0}, ["caps of 12 mm", "eyes of 10 mm"]),
         ({"bar_width": 1.0}, ["bars of 1 x 5 mm", "limit 1.2 mm"]),
         ({"bar_height": 1.5}, ["leave 0.9 mm under letters 0.6 mm deep", "limit 1.2 mm"]),
-        ({"max_levels": 0}, ["level"]),
+        ({"max_levels": 0}, ["max_levels is 0"]),
         ({"eye_hight": 6.0}, ['"eye_hight"', "eye_height"]),
     ],
 )
