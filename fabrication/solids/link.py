@@ -136,7 +136,7 @@ def link_boundary(shape: LinkShape) -> Boundary:
             edge, height = _side_arc(builder, eye, ends, normals[i])
             arcs[k].append(edge)
             high = max(high, height)
-        _check_eye(shape, eye, [builder.position(p) for p in corners[k]], high)
+        _check_eye(eye, [builder.position(p) for p in corners[k]], high)
     for i in range(n):
         j = (i + 1) % n
         here, there = (builder.line(corners[0][c], corners[1][c]) for c in (i, j))
@@ -153,7 +153,7 @@ def link_boundary(shape: LinkShape) -> Boundary:
     return builder.build()
 
 
-def _check_eye(shape: LinkShape, eye: Eye, corners: list[Vec], high: float) -> None:
+def _check_eye(eye: Eye, corners: list[Vec], high: float) -> None:
     """Raise `DetailError` where the bar does not end on the round surface of an eye."""
     if high > eye.half - RIM:
         raise DetailError(

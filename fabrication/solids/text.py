@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, TypeAlias
 
+from ddgfab.errors import DetailError
 from fabrication.linkspecs import Label
 from fabrication.solids.builder import BoundaryBuilder, Coedges, Vec, add, cross, opposite, scale
 
@@ -54,14 +55,22 @@ class Outline:
     islands: tuple[Ring, ...]
 
 
-def writable(text: str) -> bool:
-    """Whether there is a glyph for every letter."""
-    return all(letter in GLYPHS for letter in text)
+def rows_of(letter: str) -> list[str]:
+    """Rows of dots of a letter, from above.
+
+    Raises
+    ------
+    DetailError
+        There is no such glyph; those that exist are named.
+    """
+    if letter not in GLYPHS:
+        raise DetailError(f'no letter "{letter}" can be written; only {"".join(GLYPHS)}')
+    return GLYPHS[letter].split()
 
 
 def text_size(text: str, *, stacked: bool = False) -> tuple[int, int]:
     """Width and height of a text in dots."""
-    widths = [len(GLYPHS[letter].split()[0]) for letter in text]
+    widths = [len(rows_of(letter)[0]) for letter in text]
     if stacked:
         return max(widths, default=0), len(text) * (ROWS + GAP) - GAP
     return sum(widths) + GAP * (len(text) - 1), ROWS
@@ -69,7 +78,7 @@ def text_size(text: str, *, stacked: bool = False) -> tuple[int, int]:
 
 def text_dots(text: str) -> int:
     """How many dots a text has: its area is as many squares."""
-    return sum(GLYPHS[letter].count("1") for letter in text)
+    return sum("".join(rows_of(letter)).count("1") for letter in text)
 
 
 @lru_cache(maxsize=256)
@@ -79,7 +88,7 @@ def text_outlines(text: str, stacked: bool = False) -> tuple[Outline, ...]:
     outlines = []
     x, y = 0, height - ROWS
     for letter in text:
-        rows = GLYPHS[letter].split()
+        rows = rows_of(letter)
         across = len(rows[0])
         left = (width - across) // 2 if stacked else x
         dots = {

@@ -19,6 +19,7 @@ from fabrication.checks.mesh import to_manifold
 from fabrication.export.step import Header, Material
 from fabrication.families import families
 from fabrication.linkage.coupon import coupon_shape
+from fabrication.linkage.facing import facings
 from fabrication.linkage.labels import label_for, short_number
 from fabrication.linkage.levels import slanted_levels
 from fabrication.linkage.links import (
@@ -414,3 +415,34 @@ def test_a_cube_takes_three_levels() -> None:
     found = detail_linkage(mechanism, settings_for(), levels)
     assert {len([i for i in stack if i.role == "link"]) for stack in found.stacks} == {3}
     assert not any(p.role == "spacer" for p in found.pieces)
+
+
+def test_labels_tell_how_links_go_on_their_pins(made: Linkage) -> None:
+    """From the meshes in place: on which side of the bar the letters are, and towards which end."""
+    pose = made.mechanism.pose(made.mechanism.design)
+    hinges = {piece.mark: piece.hinges for piece in made.pieces if isinstance(piece, Link)}
+    found = facings(made)
+    assert set(found) == set(hinges)
+    for family in made.families:
+        if not isinstance(family.shape, LinkShape):
+            continue
+        corners = {tuple(p) for p in mesh_of(_bare(family.shape)).vertices.round(6).tolist()}
+        points = mesh_of(family.shape).vertices
+        letters = points[[tuple(p) not in corners for p in points.round(6).tolist()]]
+        for instance in family.instances:
+            i, j = hinges[instance.mark]
+            facing = found[instance.mark]
+            turn, at = instance.placement[:3, :3], instance.placement[:3, 3]
+            middle = (letters @ turn.T + at).mean(axis=0)
+            # Where the bar's middle line is, as seen along the mean of both axes.
+            heights = made.heights[int(instance.mark[2:])]
+            bar = 0.5 * (pose.points[[i, j]] + heights[:, None] * pose.axes[[i, j]]).sum(axis=0)
+            above = (middle - bar) @ (pose.axes[i] + pose.axes[j])
+            assert (above > 0) == facing.up
+            # L is read first: letters beside each other begin with it, stacked ones have it on top.
+            label = family.shape.label
+            assert label is not None
+            start = at
+            assert facing.towards == (i if np.linalg.norm(pose.points[i] - start) > 1e-6 else j)
+    if any(len(f.instances) > 6 for f in made.families if f.role == "link"):
+        assert {facing.up for facing in found.values()} == {True, False}

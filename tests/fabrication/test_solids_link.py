@@ -210,6 +210,7 @@ def test_body_for_collisions_holds_the_solid(name: str) -> None:
         (link(40.0, label=Label("L1", 0.9, 0.6)), ["4.5 mm wide", "2.6 mm"]),
         (link(40.0, length=17.0, label=Label("L1234", 0.5, 0.6)), ["long"]),
         (link(40.0, label=Label("L1", 0.5, 5.0)), ["5 mm deep"]),
+        (link(40.0, label=Label("L\u00e4", 0.5, 0.5)), ['no letter "\u00e4"', "0123456789"]),
     ],
 )
 def test_what_does_not_fit_is_said(shape: LinkShape, words: list[str]) -> None:

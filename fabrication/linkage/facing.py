@@ -1,0 +1,51 @@
+"""How each link goes on its pins, told by the label it bears: which side up, which end where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fabrication.linkage.links import Linkage
+from fabrication.linkspecs import LinkShape
+from fabrication.solids.linkframe import bar_sides, eyes_of
+from fabrication.specs import Link
+
+
+@dataclass(frozen=True)
+class Facing:
+    """A link as it is put on its pins.
+
+    up : whether the labelled side faces along the axes of its hinges, where stacks are counted to
+    towards : the hinge at the end to which the label reads; letters that stand one below the other
+        have their upper end there
+    """
+
+    up: bool
+    towards: int
+
+
+def facings(linkage: Linkage) -> dict[str, Facing]:
+    """How the links go on their pins, by mark.
+
+    One part number may serve bars that are turned over or end for end against each other: the parts
+    are equal, and the side on which their label comes to lie tells them apart. Links without a
+    label are told by the side and end that would bear it.
+    """
+    mechanism = linkage.mechanism
+    pose = mechanism.pose(mechanism.design)
+    links = {piece.mark: piece for piece in linkage.pieces if isinstance(piece, Link)}
+    found = {}
+    for family in linkage.families:
+        shape = family.shape
+        if not isinstance(shape, LinkShape):
+            continue
+        normal = np.array(bar_sides(shape, eyes_of(shape))[0].up)
+        for instance in family.instances:
+            hinges = list(links[instance.mark].hinges)
+            turn, at = instance.placement[:3, :3], instance.placement[:3, 3]
+            up = float(turn @ normal @ pose.axes[hinges].sum(axis=0)) > 0.0
+            end = at + shape.length * turn[:, 0]
+            away = np.linalg.norm(pose.points[hinges] - end, axis=1)
+            found[instance.mark] = Facing(up, hinges[int(away.argmin())])
+    return found
