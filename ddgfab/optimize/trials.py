@@ -34,7 +34,9 @@ class RecipeOptions:
     accepted: float = 1e-10
     """Greatest residual that a result may keep; above, `OptimizeError`."""
     angle_slack: float = float(np.radians(10.0))
-    """Corner angles may leave the input's range by this much [rad], not to become needles."""
+    """Corner angles may leave the input's range by this much [rad]."""
+    sharpest: float = float(np.radians(10.0))
+    """Corners nearer to 0 or pi [rad] are wanted only where the input has such."""
     roughness_slack: float = 0.01
     """Polylines may bend more than the input's by this part."""
     search_faces: int = 5_000
@@ -52,6 +54,12 @@ class Stiffness:
     reach: float
     smoothing: float
 
+    def between(self, other: Stiffness) -> Stiffness:
+        """Half way."""
+        return Stiffness(
+            float(np.sqrt(self.reach * other.reach)), (self.smoothing + other.smoothing) / 2
+        )
+
 
 _LADDER = (
     Stiffness(0.05, 0.03),
@@ -65,6 +73,8 @@ _LADDER = (
 )
 _FIRST = 1
 """Where the ladder is entered."""
+_BISECTIONS = 2
+"""Halvings between the gentlest stiffness that works and the next that does not."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +122,7 @@ class Trial:
 def _attempt(task: Task, stiffness: Stiffness, start: Mesh, before: Quality) -> Trial:
     """Solve with one stiffness from a start, then meet the hard terms to the last digit."""
     mesh, options = task.mesh, task.options
-    stage = f"reach {stiffness.reach:g}, smoothing {stiffness.smoothing:g}"
+    stage = f"reach {stiffness.reach:.3g}, smoothing {stiffness.smoothing:.3g}"
     problem = Problem.build(
         mesh,
         [
@@ -159,8 +169,8 @@ def _judge(task: Task, mesh: Mesh, before: Quality, history: tuple[tuple[str, St
     options, after = task.options, Quality.of(mesh)
     remarks = []
     low, high = before.angles
-    least = max(low - options.angle_slack, min(low, _SHARP))
-    most = min(high + options.angle_slack, max(high, np.pi - _SHARP))
+    least = max(low - options.angle_slack, min(low, options.sharpest))
+    most = min(high + options.angle_slack, max(high, np.pi - options.sharpest))
     if after.angles[0] < least or after.angles[1] > most:
         was = " to ".join(f"{np.degrees(a):.1f}" for a in before.angles)
         now = " to ".join(f"{np.degrees(a):.1f}" for a in after.angles)
@@ -187,8 +197,6 @@ _DECREASE = 1e-2
 _LAST_STEPS = 12
 _LAST_REGULARISATION = 1e-13
 """For the exact steps: their equations are dependent only on flat or closed meshes."""
-_SHARP = float(np.radians(10.0))
-"""Corners nearer to 0 or pi [rad] are wanted only where the input has such."""
 _ROUND = 1e-9
 """Roughness that is rounding."""
 
@@ -207,11 +215,23 @@ def climb(task: Task) -> tuple[Trial, tuple[tuple[str, Step], ...]]:
         trials.append(_attempt(task, _LADDER[rung], task.mesh, before))
         if good(trials[-1]):
             break
-    if good(trials[-1]) and task.mesh.n_faces <= task.options.search_faces:
-        for gentler in reversed(range(rung)):
-            trials.append(_attempt(task, _LADDER[gentler], trials[-1].mesh, before))
+    best = trials[-1]
+    if good(best) and task.mesh.n_faces <= task.options.search_faces:
+        works, fails = _LADDER[rung], None
+        for gentler in reversed(_LADDER[:rung]):
+            trials.append(_attempt(task, gentler, best.mesh, before))
             if not good(trials[-1]):
+                fails = gentler
                 break
-    works = [trial for trial in trials if good(trial)]
-    best = works[-1] if works else min(trials, key=lambda trial: trial.rank(accepted))
+            best, works = trials[-1], gentler
+        for _ in range(_BISECTIONS if fails else 0):
+            assert fails is not None
+            middle = works.between(fails)
+            trials.append(_attempt(task, middle, best.mesh, before))
+            if good(trials[-1]):
+                best, works = trials[-1], middle
+            else:
+                fails = middle
+    if not good(best):
+        best = min(trials, key=lambda trial: trial.rank(accepted))
     return best, tuple(step for trial in trials for step in trial.history)
