@@ -6,6 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
+from ddgfab.errors import InputError
 from ddgfab.io.cells import read_cells
 from ddgfab.mesh import Mesh
 from ddgfab.nets.generators import About, ParameterError, generator
@@ -43,6 +44,8 @@ def from_cells(file: str, name: str, sheets: int = 1) -> MinimalNet:
         the signs of the edges cannot alternate (names the faces).
     DegenerateError
         A piece round a hole whose dual does not close.
+    InputError
+        Two sheets for a piece that needs one.
 
     Source: maths.md 7.5, 7.6.
     """
@@ -50,7 +53,12 @@ def from_cells(file: str, name: str, sheets: int = 1) -> MinimalNet:
     marked = cells.group(name)
     rough = cells.mesh.vertices - cells.mesh.vertices.mean(axis=0)
     gauss = koebe(cells.mesh).aligned(rough).net(marked)
-    return minimal_surface(gauss if sheets == 1 else gauss.covered())
+    if sheets == 1:
+        return minimal_surface(gauss)
+    cover = gauss.covered()
+    if cover.mesh.components.max() > gauss.mesh.components.max():
+        raise InputError(f'the piece "{name}" needs no double cover: take sheets = 1', file=file)
+    return minimal_surface(cover)
 
 
 @generator("minimal", support="edge")

@@ -421,6 +421,8 @@ def test_combinatorics_from_a_file(tmp_path: Path) -> None:
         from_cells(str(path), "dome")
     with pytest.raises(MeshError, match="inner vertices have an odd number of edges"):
         from_cells(str(path), "rest")
+    with pytest.raises(InputError, match=r"cells\.obj: the piece .roof. needs no double cover"):
+        from_cells(str(path), "roof", sheets=2)
     two = tmp_path / "open.obj"
     two.write_text("\n".join(lines[: first + 60]), "ascii")
     with pytest.raises(MeshError, match="truncated"):
