@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets.grid import grid_mesh
 from ddgfab.nets.knet import knet
 from ddgfab.nets.placing import grounded
 
@@ -29,15 +28,17 @@ def band_mesh(points: Floats, across: tuple[int, int], along: tuple[int, int]) -
     InputError
         A band without quads.
     """
-    sheet = grid_mesh(points)
-    i, j = np.indices(points.shape[:2]).reshape(2, -1)
-    inside = (j - i >= across[0]) & (j - i <= across[1]) & (i + j >= along[0]) & (i + j <= along[1])
-    faces = np.array(sheet.faces)
-    faces = faces[inside[faces].all(axis=1)]
-    if not len(faces):
-        raise InputError(f"no quad of {points.shape[:2]} points lies in the band {across}, {along}")
+    m, n = points.shape[:2]
+    p, s = (op(np.arange(n - 1), np.arange(m - 1)[:, None]) for op in (np.subtract, np.add))
+    # A quad spans two steps of j - i, and of i + j.
+    inside = (p > across[0]) & (p < across[1]) & (s >= along[0]) & (s + 2 <= along[1])
+    i, j = np.nonzero(inside)
+    if not len(i):
+        raise InputError(f"no quad of {m} x {n} points lies in the band {across}, {along}")
+    corner = i * n + j
+    faces = np.stack([corner, corner + n, corner + n + 1, corner + 1], axis=-1)
     used, ids = np.unique(faces, return_inverse=True)
-    return Mesh.build(sheet.vertices[used], ids.reshape(-1, 4))
+    return Mesh.build(points.reshape(-1, 3)[used], ids.reshape(-1, 4))
 
 
 def ring_mesh(radii: Floats, heights: Floats, n_fold: int) -> Mesh:

@@ -46,8 +46,15 @@ def crab_tower(
 
     Source: `ddgfab.nets.knet_crab.crab_net`; maths.md 3.13.
     """
-    delta = np.radians(twist_deg)
-    net = crab_net(panels_around, delta, np.radians(slope_deg), rings + 2, r=bar_mm / np.sin(delta))
+    delta, slope, turn = np.radians(twist_deg), np.radians(slope_deg), np.pi / panels_around
+    least = np.degrees(np.arccos(np.hypot(np.cos(slope), np.sin(slope) * np.cos(turn))))
+    if twist_deg < least:
+        raise DegenerateError(
+            f"twist_deg = {twist_deg:g} is too little: {panels_around} panels around at a slope of "
+            f"{slope_deg:g} deg twist their bars by {least:.4g} deg or more\n"
+            "take a larger twist_deg, more panels around, or another slope_deg"
+        )
+    net = crab_net(panels_around, delta, slope, rings + 2, r=bar_mm / np.sin(delta))
     passed = net.cone_rings
     if len(passed) or net.radii[0] <= 0:
         ring = int(passed[0]) if len(passed) else 0
@@ -87,8 +94,8 @@ def pseudosphere_tower(
 
 @generator("dini", support="normals")
 def dini_ramp(
-    panels_along: Annotated[int, About("panels of a row along the spiral", 2, 4000)] = 26,
-    rows: Annotated[int, About("staggered rows of panels across it", 2, 1000)] = 9,
+    panels_along: Annotated[int, About("panels of a row along the spiral", 2, 2000)] = 26,
+    rows: Annotated[int, About("staggered rows of panels across it", 2, 400)] = 9,
     bar_mm: Annotated[float, About("length of the longer bars, node to node", 1e-3)] = 1200.0,
     twist_deg: Annotated[float, About("twist of the longer bars", 0.1, 60)] = 10.0,
     pitch_deg: Annotated[
@@ -129,8 +136,8 @@ def dini_ramp(
 
 @generator("breather", support="normals")
 def breather_sheet(
-    panels_along: Annotated[int, About("panels of a row, along the waves", 2, 4000)] = 11,
-    rows: Annotated[int, About("staggered rows of panels across them", 2, 1000)] = 19,
+    panels_along: Annotated[int, About("panels of a row, along the waves", 2, 2000)] = 11,
+    rows: Annotated[int, About("staggered rows of panels across them", 2, 400)] = 19,
     bar_mm: Annotated[float, About(BAR_TEXT, 1e-3)] = 1200.0,
     twist_deg: Annotated[float, About(TWIST_TEXT, 0.1, 60)] = 9.0,
     waves: Annotated[float, About("waves in a turn about the axis", 0.05, 0.99)] = 0.8,
@@ -163,8 +170,8 @@ def breather_sheet(
 
 @generator("kuen", support="normals")
 def kuen_tower(
-    panels_along: Annotated[int, About("panels of a row, round the axis", 2, 4000)] = 16,
-    rows: Annotated[int, About("staggered rows of panels from bottom to top", 2, 1000)] = 17,
+    panels_along: Annotated[int, About("panels of a row, round the axis", 2, 2000)] = 16,
+    rows: Annotated[int, About("staggered rows of panels from bottom to top", 2, 400)] = 17,
     bar_mm: Annotated[float, About(BAR_TEXT, 1e-3)] = 1200.0,
     twist_deg: Annotated[float, About(TWIST_TEXT, 0.1, 60)] = 9.0,
     first_row: Annotated[
