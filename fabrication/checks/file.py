@@ -14,6 +14,7 @@ from ddgfab.mesh import Floats, Ints
 from fabrication.checks.mesh import measure_mesh
 from fabrication.checks.solid import SolidReport, inspect_solid
 from fabrication.export.stl import read_stl
+from fabrication.export.threemf import DECIMALS
 from fabrication.export.xcaf import components, free_labels, get_name, read_document
 from fabrication.specs import Check, TriangleMesh
 
@@ -27,8 +28,8 @@ STEP_UNIT: Final = "millimetre"
 STL_ROUNDING: Final = 2.0**-23
 """Greatest rounding of a coordinate in an STL (single precision), relative to its size."""
 
-THREEMF_ROUNDING: Final = STL_ROUNDING
-"""The same of a 3MF: written finer, but lib3mf reads single precision, as slicers do."""
+THREEMF_DECIMAL: Final = 0.5 * 10.0**-DECIMALS
+"""How far [mm] a coordinate in a 3MF may be rounded; lib3mf then reads single precision."""
 
 
 @dataclass(frozen=True)
@@ -183,7 +184,8 @@ def check_threemf(path: Path, expected: Sequence[tuple[str, TriangleMesh, int]])
             away = np.inf
             break
         away = max(away, float(np.abs(vertices - mesh.vertices).max()))
-        limit = max(limit, THREEMF_ROUNDING * float(np.abs(mesh.vertices).max()))
+        single = STL_ROUNDING * float(np.abs(mesh.vertices).max())
+        limit = max(limit, THREEMF_DECIMAL + single)
     checks.append(Check("3mf corners", away <= limit, away, limit))
     return checks
 

@@ -114,7 +114,7 @@ class KNetLinkage(Section):
     deltas_deg: tuple[Twist, Twist] | None = Field(default=None, strict=False)
     turns_deg: tuple[Finite, Finite] | None = Field(default=None, strict=False)
     corner_deg: Finite | None = None
-    longest_mm: Positive = 100.0
+    longest_mm: Positive = 80.0
     anchor: tuple[Index, Index] | None = Field(default=None, strict=False)
     path: Literal["locked", "fold"] = "locked"
 
@@ -169,8 +169,8 @@ class KNetLinkage(Section):
         if self.surface is not None:
             mesh = generate(self.surface, self.parameters)
             return recover_knet(self._patch(Net.from_mesh(mesh))).knet
-        cells = self.cells or (2, 2)
-        deltas = np.radians(self.deltas_deg or (40.0, 40.0))
+        cells = self.cells or (3, 3)
+        deltas = np.radians(self.deltas_deg or (20.0, 20.0))
         turns = np.radians(self.turns_deg or (0.0, 0.0))
         corner = np.radians(90.0 if self.corner_deg is None else self.corner_deg)
         return knet(

@@ -27,6 +27,12 @@ from fabrication.table import Table
 SEEN_CHORD_MM: Final = 0.2
 """Distance [mm] of meshes that are only looked at from the exact surfaces."""
 
+MOST_PLACEMENTS: Final = 30_000
+"""Placements that the report holds at most: two megabytes."""
+
+FEWEST_POSES: Final = 13
+"""It holds so many poses nevertheless."""
+
 LINK_COLOURS: Final = (
     (0.16, 0.42, 0.66),
     (0.72, 0.30, 0.28),
@@ -88,8 +94,12 @@ def _touch(contact: Contact, angles: Floats, still: Floats) -> Touch:
 
 
 def shown_angles(kit: Kit) -> tuple[Floats, int]:
-    """Driving angles [rad] through the free range with the design's among them, and its place."""
-    angles = kit.angles(kit.project.motion.poses)
+    """Driving angles [rad] through the free range with the design's among them, and its place.
+
+    As many as the project asks for, fewer for linkages of very many parts.
+    """
+    most = MOST_PLACEMENTS // len(kit.linkage.pieces)
+    angles = kit.angles(min(kit.project.motion.poses, max(most, FEWEST_POSES)))
     at = int(np.abs(angles - kit.mechanism.design).argmin())
     angles[at] = kit.mechanism.design
     return angles, at

@@ -16,8 +16,9 @@ from fabrication.specs import Placement, TriangleMesh
 BED_MM: Final = (220.0, 220.0)
 """Width and depth [mm] of the most common beds."""
 
-MARGIN_MM: Final = 5.0
-"""Land [mm] that stays free along the bed's edge: brim and skirt."""
+MARGIN_MM: Final = 10.0
+"""Land [mm] that stays free along the edge of the bed: brim, and the skirt, which slicers draw 6 mm
+off."""
 
 GAP_MM: Final = 5.0
 """Land [mm] between parts: two brims, or the nozzle's way."""

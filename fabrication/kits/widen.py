@@ -9,14 +9,14 @@ from typing import Final
 
 import numpy as np
 
-from ddgfab.errors import DetailError
+from ddgfab.errors import DetailError, InputError
 from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Ints
 from fabrication.linkage.bodies import bodies
 from fabrication.linkage.levels import even_levels, slanted_levels
 from fabrication.linkage.links import Linkage, detail_linkage
 from fabrication.linkage.motion import FreeMotion, free_motion, maximize_range
-from fabrication.linkage.settings import LinkageSettings
+from fabrication.linkage.settings import LinkageSettings, check_settings
 
 SLIM: Final = 0.8
 """Slimmer bars have this part of the width and height asked for, if the printer's wall allows."""
@@ -89,12 +89,15 @@ def _options(settings: LinkageSettings) -> list[tuple[str, LinkageSettings, bool
     width, height = (max(wall, SLIM * size) for size in (settings.bar_width, settings.bar_height))
     slim = replace(settings, bar_width=width, bar_height=height)
     bars = f"bars of {width:g} x {height:g} mm"
-    return [
+    asked = [
         ("as asked for", settings, False),
         ("levels chosen for the range", settings, True),
-        (bars, slim, False),
-        (f"{bars}, levels chosen for the range", slim, True),
     ]
+    try:
+        check_settings(slim)
+    except InputError:  # the printer makes none slimmer
+        return asked
+    return [*asked, (bars, slim, False), (f"{bars}, levels chosen for the range", slim, True)]
 
 
 def _levels(mechanism: Mechanism, settings: LinkageSettings) -> Iterator[Ints]:

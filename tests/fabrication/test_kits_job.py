@@ -52,6 +52,41 @@ def test_the_default_kit_moves_through_more_than_120_degrees(bennett: Kit) -> No
     assert repr(bennett).startswith("Kit(bennett: 4 bars on 4 hinges")
 
 
+def test_the_reference_case_moves_as_an_independent_study_found() -> None:
+    """a = 100, alpha = 40 deg, b = 146.2, beta = 70 deg, straight 5 mm bars on two levels.
+
+    The study, with bars that end at the pins, found free arcs of the joint angle 180 deg - phi of
+    18 to 174 and 186 to 343 deg at 0.4 mm. Ours have eyes of 10 mm, caps, and links that meet only
+    at joints: at one end of each arc bars of one pin meet, and the eye makes that end come sooner.
+    """
+    arcs = []
+    for design in (90.0, 270.0):
+        motion = kit("bennett", a_mm=100, alpha_deg=40, beta_deg=70, design_deg=design).motion
+        arcs.append(sorted((180 - np.degrees([motion.low, motion.high])) % 360))
+    assert arcs[0] == pytest.approx([18, 174], abs=1.5)
+    assert arcs[1] == pytest.approx([186, 343], abs=2.5)
+    assert 360 - arcs[1][0] == pytest.approx(arcs[0][1], abs=0.1)  # mirror images
+    assert 360 - arcs[1][1] == pytest.approx(arcs[0][0], abs=0.1)
+
+
+def test_the_default_cube_moves_through_more_than_120_degrees() -> None:
+    cube = kit("cube")
+    assert np.degrees(cube.motion.range) > 120
+    assert cube.motion.proven
+    assert (cube.mechanism.n_bars, cube.mechanism.n_hinges, cube.mechanism.mobility) == (12, 8, 2)
+    assert len(cube.plates) == 1
+
+
+def test_asked_for_a_larger_range_other_levels_and_bars_are_tried() -> None:
+    wide = kit("bennett", motion={"maximize_range": True})
+    plain = kit("bennett")
+    assert wide.motion.range >= plain.motion.range
+    tried = [note for note in wide.notes if "free through" in note]
+    assert len(tried) == 4
+    assert sum(note.endswith("(taken)") for note in tried) == 1
+    assert not any("free through" in note for note in plain.notes)
+
+
 def test_placements_follow_the_kinematics(bennett: Kit) -> None:
     angles = bennett.angles(7)
     motions = bennett.motions(angles)
@@ -90,7 +125,7 @@ def test_poses_outside_the_limits_are_refused(bennett: Kit) -> None:
 
 
 def test_a_bed_that_is_too_small_is_refused_before_anything_is_made() -> None:
-    with pytest.raises(InputError, match=r"LP-002 \(L-000\d\) lies on 156.* x .* mm; a bed of 100"):
+    with pytest.raises(InputError, match=r"LP-001 \(L-0000\) lies on 110.* x .* mm; a bed of 100"):
         kit("bennett", printer={"bed_mm": [100.0, 100.0]})
 
 
@@ -251,6 +286,7 @@ def test_prusaslicer_accepts_every_file_and_slices_the_plate(
         [
             "prusa-slicer",
             "-g",
+            "--dont-arrange",
             "--bed-shape",
             "0x0,220x0,220x220,0x220",
             "-o",
@@ -261,7 +297,10 @@ def test_prusaslicer_accepts_every_file_and_slices_the_plate(
         check=True,
         timeout=300,
     )
-    assert code.stat().st_size > 100_000
+    reached = np.array(re.findall(r"G1 X([\d.-]+) Y([\d.-]+) .*E", code.read_text()), dtype=float)
+    assert len(reached) > 10_000
+    assert reached.min() > 0  # with the skirt, which is drawn 6 mm off
+    assert reached.max() < 220
 
 
 def info(path: Path) -> str:

@@ -99,7 +99,7 @@ def test_linkages_that_do_not_move_are_refused(linkage: dict[str, Any], message:
     ("parts", "message"),
     [
         ({"pin_diameter_mm": 8.0, "eye_diameter_mm": 10.0}, r"leaves a wall of 0.8 mm"),
-        ({"bar_width_mm": 0.8}, r"bars of 0.8 mm are too thin"),
+        ({"bar_width_mm": 0.8}, r"bars of 0.8 x 5 mm"),
         ({"pin": "printed", "pin_diameter_mm": 2.5}, r"printed pin of 2.5 mm breaks"),
     ],
 )

@@ -77,12 +77,12 @@ def test_a_link_longer_than_the_bed_lies_across_it() -> None:
 
 
 def test_a_link_of_the_length_of_the_land_just_fits() -> None:
-    placed = boxes_on([part("LP-001", 1, 210, 12, 10)], Bed())[0]
-    assert placed[0, :, 0] == pytest.approx([5, 215])
+    placed = boxes_on([part("LP-001", 1, 200, 12, 10)], Bed())[0]
+    assert placed[0, :, 0] == pytest.approx([10, 210])
 
 
 def test_a_bed_that_is_too_small_is_named_with_the_link() -> None:
     with pytest.raises(InputError, match=r"LP-007 \(LP-007-0\) lies on 310.0 x 12.0 mm.*220 x 220"):
         plates([part("LP-007", 1, 310, 12, 10)])
     with pytest.raises(InputError, match="--bed"):
-        plates([part("P", 1, 30, 30, 1)], Bed(38, 200))
+        plates([part("P", 1, 30, 30, 1)], Bed(48, 200))
