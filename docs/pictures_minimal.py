@@ -128,9 +128,8 @@ def draw_circles(show: Any, net: SIsothermic, towards: Floats, *, filled: bool) 
 
     ahead = 0.004 * towards / np.linalg.norm(towards)
     if filled:
-        show.add_mesh(
-            pyvista.Sphere(radius=0.985, theta_resolution=90, phi_resolution=90), color=PALE
-        )
+        ball = pyvista.Sphere(radius=0.985, theta_resolution=90, phi_resolution=90)
+        show.add_mesh(ball, color=PALE, lighting=False)
     pairs = [(net.incircles, LINE, 1.3)]
     if net.vertex_circles is not None:
         pairs.append((net.vertex_circles, WARM, 1.0))
@@ -163,7 +162,7 @@ def finished(panels: list[Any], name: str) -> Path:
         whole.paste(image, (PANEL[0] * k, 0))
     target = FOLDER / f"{name}.png"
     FOLDER.mkdir(exist_ok=True)
-    whole.quantize(96).save(target, optimize=True)
+    whole.quantize(128).save(target, optimize=True)
     return target
 
 
