@@ -21,7 +21,7 @@ from fabrication.specs import Beam, Check, Node, Panel, Piece
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Gridshell:
-    """Beams, nodes and panels of a mesh on a torsion-free structure, before any CAD.
+    """Beams, nodes and panels of a mesh and its node axes, before any CAD.
 
     Attributes
     ----------
