@@ -11,11 +11,11 @@ from ddgfab.linkages.mechanism import Drive, Mechanism, Pose, bar_lengths, signe
 from ddgfab.linkages.mobility import mobility
 from ddgfab.mesh import Floats, Ints
 
-FOLD_SAMPLES = 721
+FOLD_SAMPLES = 361
 """Driving angles at which folded isograms are looked for."""
 
-BISECTIONS = 50
-"""Halvings that place a dead point."""
+SECANTS = 10
+"""Steps that place a dead point between two samples."""
 
 SAME_ANGLE = 1e-6
 """Dead points closer than this [rad] are one."""
@@ -34,19 +34,29 @@ def crossings(
 ) -> tuple[tuple[float, tuple[int, ...]], ...]:
     """Where columns of `values`, (T, F) of (T,) angles, change sign: the angle, which columns.
 
-    By samples and bisection: two crossings between samples are missed.
+    By samples and secants: two crossings between samples are missed.
     """
     ts = np.linspace(*limits, FOLD_SAMPLES)
     sampled = values(ts)
     at, which = np.nonzero(sampled[:-1] * sampled[1:] <= 0)
-    low, high, sign = ts[at], ts[at + 1], np.sign(sampled[at, which])
-    pick = np.arange(len(at))
-    for _ in range(BISECTIONS if len(at) else 0):
-        middle = (low + high) / 2
-        same = values(middle)[pick, which] * sign > 0
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    low, high = ts[at], ts[at + 1]
+    f_low, f_high = sampled[at, which], sampled[at + 1, which]
+    pick, moved, root = np.arange(len(at)), np.zeros(len(at)), low
+    for _ in range(SECANTS if len(at) else 0):
+        gap = np.where(f_high == f_low, 1.0, f_high - f_low)
+        root = np.where(f_high == f_low, low, low - f_low * (high - low) / gap)
+        f_root = values(root)[pick, which]
+        keeps = f_root * f_low > 0
+        # The Illinois rule: an end that stays twice counts half, so that both close in.
+        f_high = np.where(keeps, np.where(moved > 0, f_high / 2, f_high), f_root)
+        f_low = np.where(keeps, f_root, np.where(moved < 0, f_low / 2, f_low))
+        low, high, moved = (
+            np.where(keeps, root, low),
+            np.where(keeps, high, root),
+            np.where(keeps, 1, -1),
+        )
     found: list[tuple[float, set[int]]] = []
-    for t, column in sorted(zip((low + high) / 2, which, strict=True)):
+    for t, column in sorted(zip(root, which, strict=True)):
         if not found or t - found[-1][0] > SAME_ANGLE:
             found.append((float(t), set()))
         found[-1][1].add(int(column))

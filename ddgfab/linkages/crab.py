@@ -21,6 +21,9 @@ from ddgfab.nets.knet_crab import CrabNet
 END_ROOM = 1e-6
 """How far [rad] the limits stay inside the angles at which the second ring ceases to exist."""
 
+RATIO_ROOM = 1e-9
+"""sin(delta) / sin(gamma) above one by less counts as one, for rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class CrabDrive:
@@ -153,7 +156,7 @@ def _limits(drive: CrabDrive, design: float) -> tuple[float, float]:
     Where all angles are, a whole turn.
     """
     ratio = np.sin(drive.delta) / np.sin(drive.gamma)
-    if ratio > 1:
+    if ratio > 1 + RATIO_ROOM:
         return design - np.pi, design + np.pi
     turn = np.floor(design / np.pi) * np.pi
     room = float(np.arcsin(ratio)) - END_ROOM

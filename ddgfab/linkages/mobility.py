@@ -5,6 +5,8 @@ Source: maths.md 4.2, 4.3.
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,8 +14,8 @@ from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages.mechanism import Pose
 from ddgfab.mesh import Floats, Ints
 
-RANK_GAP = 1e6
-"""Singular values on either side of the rank differ by this factor at least."""
+RANK_GAP = 1e3
+"""Singular values on either side of a rank differ by this factor at least."""
 
 RANK_CUT = 1e-9
 """Singular values below this part of the greatest may count as zero."""
@@ -29,38 +31,51 @@ def linkage_jacobian(bars: Ints, pose: Pose) -> Floats:
     """
     i, j = bars.T
     count, v = len(bars), len(pose.points)
-    edge = pose.points[j] - pose.points[i]
-    edge = edge / np.linalg.norm(edge, axis=1).mean()
-    n_i, n_j = pose.axes[i], pose.axes[j]
     rows = np.zeros((4 * count + v, 2, v, 3))
-    r = np.arange(count)
-    rows[r, 0, i], rows[r, 0, j] = -edge, edge
-    rows[count + r, 1, i], rows[count + r, 1, j] = n_j, n_i
-    for block, (axis, hinge) in enumerate(((n_i, i), (n_j, j)), start=2):
-        at = block * count + r
-        rows[at, 0, i], rows[at, 0, j] = -axis, axis
-        rows[at, 1, hinge] = edge
+    blocks = _bar_rows(bars, pose)
+    for k in range(4):
+        at = k * count + np.arange(count)
+        rows[at, :, i], rows[at, :, j] = blocks[:, k, 0], blocks[:, k, 1]
     hinges = np.arange(v)
     rows[4 * count + hinges, 1, hinges] = pose.axes
     return rows.reshape(len(rows), -1)
 
 
+def _bar_rows(bars: Ints, pose: Pose) -> Floats:
+    """(E, 4, 2, 2, 3) rows of each bar: condition, hinge i or j, point or axis."""
+    i, j = bars.T
+    edge = pose.points[j] - pose.points[i]
+    edge = edge / np.linalg.norm(edge, axis=1).mean()
+    n_i, n_j = pose.axes[i], pose.axes[j]
+    rows = np.zeros((len(bars), 4, 2, 2, 3))
+    rows[:, 0, 0, 0], rows[:, 0, 1, 0] = -edge, edge
+    rows[:, 1, 0, 1], rows[:, 1, 1, 1] = n_j, n_i
+    for k, axis in ((0, n_i), (1, n_j)):
+        rows[:, 2 + k, 0, 0], rows[:, 2 + k, 1, 0] = -axis, axis
+        rows[:, 2 + k, k, 1] = edge
+    return rows
+
+
 def mobility(bars: ArrayLike, pose: Pose) -> int:
     """Degrees of freedom of rigid bars on hinges, without the six of rigid motion.
 
+    6V - rank - 6 of `linkage_jacobian`, whose kernel is built hinge by hinge: of the motions of the
+    part so far and of the next hinge, those remain that its bars allow. An orthonormal basis is
+    kept, so the singular values of each small step decide.
+
     Parameters
     ----------
-    bars : (E, 2) hinge ids
+    bars : (E, 2) hinge ids of a connected linkage
     pose : one pose; a generic one, for folded states have more infinitesimal freedoms
 
     Raises
     ------
     InputError
-        A pose that is a stack, or a bar of no length.
+        A pose that is a stack, a bar of no length, or hinges that no bars connect.
     DegenerateError
-        The singular values show no gap, so the rank is not determined.
+        The singular values of a step show no gap, so the rank is not determined; names the hinge.
 
-    Source: maths.md 4.2, 4.3: 6V - rank - 6.
+    Source: maths.md 4.2, 4.3.
     """
     ids = np.asarray(bars, dtype=np.int64)
     if pose.points.ndim != 2:
@@ -68,14 +83,56 @@ def mobility(bars: ArrayLike, pose: Pose) -> int:
     size = np.linalg.norm(pose.points[ids[:, 1]] - pose.points[ids[:, 0]], axis=1)
     if not (size > 0).all():
         raise InputError(f"bar {int(np.argmin(size))} has no length")
-    jacobian = linkage_jacobian(ids, pose)
-    values = np.linalg.svd(jacobian, compute_uv=False)
-    unknowns = jacobian.shape[1]
+    order, at_hinge = _walk(ids, len(pose.points))
+    rows = _bar_rows(ids, pose).reshape(-1, 4, 2, 6)
+    waiting = np.array([len(here) for here in at_hinge])
+    moves: dict[int, Floats] = {}
+    count = 0
+    for hinge in order:
+        own = np.concatenate([np.zeros(3), pose.axes[hinge]])[None]
+        parts = [np.concatenate([np.zeros((1, count)), own], axis=1)]
+        for bar, side in at_hinge[hinge]:
+            other = int(ids[bar, 1 - side])
+            if other in moves:
+                known = rows[bar, :, 1 - side] @ moves[other]
+                parts.append(np.concatenate([known, rows[bar, :, side]], axis=1))
+                waiting[[hinge, other]] -= 1
+        kernel = _kernel(np.concatenate(parts), hinge)
+        moves = {k: values @ kernel[:count] for k, values in moves.items() if waiting[k]}
+        moves[hinge] = kernel[count:]
+        count = kernel.shape[1]
+    return count - 6
+
+
+def _walk(bars: Ints, hinges: int) -> tuple[list[int], list[list[tuple[int, int]]]]:
+    """Hinges in breadth-first order, and at each its bars with the end at which it is."""
+    at_hinge: list[list[tuple[int, int]]] = [[] for _ in range(hinges)]
+    for bar, ends in enumerate(bars.tolist()):
+        for side, hinge in enumerate(ends):
+            at_hinge[hinge].append((bar, side))
+    order, seen, front = [], {0}, deque([0])
+    while front:
+        hinge = front.popleft()
+        order.append(hinge)
+        for bar, side in at_hinge[hinge]:
+            other = int(bars[bar, 1 - side])
+            if other not in seen:
+                seen.add(other)
+                front.append(other)
+    if len(order) < hinges:
+        missing = min(set(range(hinges)) - seen)
+        raise InputError(f"no bars connect hinge {missing} to hinge 0")
+    return order, at_hinge
+
+
+def _kernel(matrix: Floats, hinge: int) -> Floats:
+    """Orthonormal basis (columns) of the kernel of the conditions at a hinge."""
+    _, values, basis = np.linalg.svd(matrix)
     rank = int((values > RANK_CUT * values[0]).sum())
     if rank < len(values) and values[rank] * RANK_GAP > values[rank - 1]:
         raise DegenerateError(
             f"mobility is not determined: singular values {values[rank - 1]:.3g} and "
-            f"{values[rank]:.3g} around rank {rank} (a factor of {RANK_GAP:g} is needed); "
+            f"{values[rank]:.3g} at hinge {hinge} (a factor of {RANK_GAP:g} is needed); "
             "take a pose away from folded states"
         )
-    return int(unknowns - rank - 6)
+    return np.asarray(basis[rank:].T)

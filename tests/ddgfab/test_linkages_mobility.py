@@ -45,6 +45,37 @@ def test_table(sizes: tuple[int, ...], expected: int) -> None:
     assert of_net(a_net(*sizes)) == expected
 
 
+@pytest.mark.parametrize("sizes", [(1, 1), (3, 2), (5, 4), (1, 1, 1), (2, 2, 1)])
+def test_whole_jacobian_agrees(sizes: tuple[int, ...]) -> None:
+    """Second route: the singular values of the whole Jacobian at once, with a gap over 1e6."""
+    net = a_net(*sizes)
+    pose = Pose(net.points.reshape(-1, 3), net.normals.reshape(-1, 3))
+    jacobian = linkage_jacobian(Grid.build(net.shape).bars, pose)
+    values = np.linalg.svd(jacobian, compute_uv=False)
+    rank = int((values > 1e-9 * values[0]).sum())
+    assert values[rank - 1] > 1e6 * values[rank:].max(initial=0.0)
+    assert jacobian.shape[1] - rank - 6 == of_net(net)
+
+
+def test_closed_nets_by_both_routes() -> None:
+    mechanism = crab_mechanism(crab_net(6, np.radians(30), np.radians(60), 4))
+    pose = mechanism.pose(mechanism.design)
+    values = np.linalg.svd(linkage_jacobian(mechanism.bars, pose), compute_uv=False)
+    assert mechanism.mobility == 6 * mechanism.n_hinges - int((values > 1e-9).sum()) - 6
+    assert mechanism.mobility >= 1  # the symmetric opening, 4.5
+
+
+def test_bad_linkages() -> None:
+    net = a_net(1, 1)
+    pose = Pose(net.points.reshape(-1, 3), net.normals.reshape(-1, 3))
+    with pytest.raises(InputError, match="hinge 2"):
+        mobility([[0, 1]], pose)
+    with pytest.raises(InputError, match="bar 0 has no length"):
+        mobility([[0, 0]], pose)
+    with pytest.raises(InputError, match="one pose"):
+        mobility([[0, 1]], Pose(pose.points[None], pose.axes[None]))
+
+
 def test_mechanisms_report_it() -> None:
     assert bennett(100.0, np.radians(40), beta=np.radians(70)).mobility == 1
     twists = np.radians([30.0, 150.0, 90.0])

@@ -17,7 +17,7 @@ from ddgfab.linkages import (
     knet_mechanism,
     signed_twists,
 )
-from ddgfab.linkages.assemble import isogram_angles
+from ddgfab.linkages.assemble import crossings, isogram_angles
 from ddgfab.nets.knet import KNet, knet
 from ddgfab.nets.knet_crab import crab_net
 from ddgfab.nets.knet_dini import dini
@@ -257,6 +257,22 @@ def test_cube_paths() -> None:
     direction = pose.points[[4, 2, 1]] - pose.points[0]
     angles = np.arctan2(direction[:, 1], direction[:, 0])
     assert angles[1] == pytest.approx(-angles[2])  # opens evenly from bar 0
+
+
+def test_dead_points_are_folded_isograms() -> None:
+    """At each, the isograms it names are in one line, and no others; crossings are exact."""
+    mechanism = knet_mechanism(a_net(3, 4), scale_mm=100.0)
+    assert len(mechanism.dead_points) > 5
+    for t, words in mechanism.dead_points[1:]:
+        pose = mechanism.pose(t)
+        corners = pose.points[mechanism.cells]
+        spread = np.linalg.svd(corners - corners.mean(axis=1, keepdims=True), compute_uv=False)
+        folded = np.flatnonzero(spread[:, 1] < 1e-7 * spread[:, 0])
+        assert words.startswith(f"isogram {folded[0]} ") or words.startswith("isograms ")
+        assert len(folded)
+    roots = crossings(lambda ts: np.sin(ts[:, None] * np.array([1.0, 2.0])), (0.1, 6.0))
+    assert [t for t, _ in roots] == pytest.approx(np.pi * np.array([0.5, 1.0, 1.5]), abs=1e-10)
+    assert [columns for _, columns in roots] == [(1,), (0, 1), (1,)]
 
 
 def test_outside_the_limits() -> None:
