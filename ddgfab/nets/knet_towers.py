@@ -177,7 +177,9 @@ def kuen_tower(
     first_row: Annotated[
         int,
         About(
-            "row at which it begins, counted from the fold along the axis; -60: all", -1000, 1000
+            "row at which it begins, counted from the fold along the axis; negative: with it",
+            -1000,
+            1000,
         ),
     ] = 20,
 ) -> Mesh:

@@ -49,8 +49,13 @@ def end_heights(
     """Lowest, middle and highest point (A,) [mm] of each arm's end face along its node axis.
 
     A point of the beam at distance rho from the axis and z above the vertex lies at
-    s rho + z sqrt(1 + s^2) along it, s the slope seen away from the node. An axis that torsion has
-    rolled by t = tan(roll) out of pi(e) sees points at y across too.
+    s rho + z sqrt(1 + s^2) along it, s the slope seen away from the node. Where torsion rolls the
+    beam against the axis, its sides count too.
+
+    Raises
+    ------
+    DetailError
+        Bolts in the nodes, but rolled beams that are not centred on their edges.
     """
     if frames.twisted:
         return _rolled_heights(frames, arms, size, profile, project)
@@ -74,11 +79,6 @@ def _rolled_heights(
     """As `end_heights`, for node axes along (lean, sin(roll), cos(roll)) in the beam's frame.
 
     Their cuts have slope = lean cos(roll) and skew = lean sin(roll).
-
-    Raises
-    ------
-    DetailError
-        Bolts in the middle of end faces that miss the node axis.
     """
     at = arms.edge, arms.end
     slope, skew, roll = frames.slope[at], frames.skew[at], frames.roll[at]
