@@ -60,7 +60,7 @@ def cube(
         raise InputError(f"a cube has 3 lengths and 3 twists, not {len(sizes)} and {len(angles)}")
     r = sizes[0] / np.sin(angles[0])
     for k in (1, 2):
-        same_ratio(sizes[0], angles[0], sizes[k], angles[k])
+        same_ratio(sizes[0], angles[0], sizes[k], angles[k], ("direction 0", f"direction {k}"))
         for j in range(k):
             if abs(angles[j] - angles[k]) < CUBE_EQUAL:
                 raise InputError(

@@ -43,15 +43,18 @@ def second_twist(r: float, length: float, name: str) -> float:
     return float(np.arcsin(length / r))
 
 
-def same_ratio(a: float, alpha: float, b: float, beta: float) -> float:
-    """a / sin(alpha) [mm], or `InputError` when b / sin(beta) is another."""
+def same_ratio(
+    a: float, alpha: float, b: float, beta: float, names: tuple[str, str] = ("a", "b")
+) -> float:
+    """a / sin(alpha) [mm], or `InputError` when b / sin(beta) is another; names of the bars."""
     first, second = a / np.sin(alpha), b / np.sin(beta)
     gap = abs(first - second) / max(first, second)
     if gap > RATIO_MISMATCH:
+        one, two = names
         raise InputError(
-            f"a / sin(alpha) = {first:.9g} mm but b / sin(beta) = {second:.9g} mm (relative "
-            f"difference {gap:.2g}, limit {RATIO_MISMATCH:g}): the loop is rigid. "
-            f"With these twists b = {first * np.sin(beta):.9g} mm; leave b or beta out to have it "
-            "computed"
+            f"length / sin(twist) is {first:.9g} mm for {one} but {second:.9g} mm for {two} "
+            f"(relative difference {gap:.2g}, limit {RATIO_MISMATCH:g}): the loop is rigid. "
+            f"With its twist of {np.degrees(beta):g} deg the length of {two} is "
+            f"{first * np.sin(beta):.9g} mm"
         )
     return float(first)
