@@ -93,6 +93,7 @@ def _recipe(
     fixed: Sequence[int] | Ints,
     boundary: Boundary,
     features: Sequence[int] | Ints | None,
+    surface: Mesh | None,
     options: RecipeOptions | None,
     throw: bool,
     progress: StageProgress | None,
@@ -119,8 +120,9 @@ def _recipe(
         hard,
         held,
         None if features is None else _ids(features, mesh.n_edges, "feature edge"),
+        None if surface is None else surface.with_vertices((surface.vertices - centre) / unit),
         chosen,
-        mesh.n_faces > _FACTORED or (smooth and boundary == "free"),
+        surface is None and (mesh.n_faces > _FACTORED or (smooth and boundary == "free")),
         progress,
     )
 
@@ -148,6 +150,7 @@ def planarize(
     fixed: Sequence[int] | Ints = (),
     boundary: Boundary = "free",
     features: Sequence[int] | Ints | None = None,
+    surface: Mesh | None = None,
     options: RecipeOptions | None = None,
     throw: bool = True,
     progress: StageProgress | None = None,
@@ -159,6 +162,9 @@ def planarize(
     fixed : ids of vertices that stay where they are
     boundary : "free", "glide" along the boundary as it is (its corners stay), or "fixed"
     features : ids of edges across which polylines may turn
+    surface : a mesh to stay near; vertices slide along it, which brings the result several times
+        nearer to its shape for more movement. The mesh itself is a good one. Slower: up to some
+        10,000 faces
     throw : raise when the goal is missed; otherwise the best mesh comes back, status "missed"
     progress : called with the name of the stage, the number of the step and the step
 
@@ -183,6 +189,7 @@ def planarize(
         fixed=fixed,
         boundary=boundary,
         features=features,
+        surface=surface,
         options=options,
         throw=throw,
         progress=progress,
@@ -195,6 +202,7 @@ def circularize(
     fixed: Sequence[int] | Ints = (),
     boundary: Boundary = "free",
     features: Sequence[int] | Ints | None = None,
+    surface: Mesh | None = None,
     options: RecipeOptions | None = None,
     throw: bool = True,
     progress: StageProgress | None = None,
@@ -213,6 +221,7 @@ def circularize(
         fixed=fixed,
         boundary=boundary,
         features=features,
+        surface=surface,
         options=options,
         throw=throw,
         progress=progress,
@@ -225,6 +234,7 @@ def conicalize(
     fixed: Sequence[int] | Ints = (),
     boundary: Boundary = "free",
     features: Sequence[int] | Ints | None = None,
+    surface: Mesh | None = None,
     options: RecipeOptions | None = None,
     throw: bool = True,
     progress: StageProgress | None = None,
@@ -246,6 +256,7 @@ def conicalize(
         fixed=fixed,
         boundary=boundary,
         features=features,
+        surface=surface,
         options=options,
         throw=throw,
         progress=progress,

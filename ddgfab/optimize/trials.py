@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from ddgfab.mesh import Ints, Mesh
 from ddgfab.optimize.problem import Problem, Term
 from ddgfab.optimize.quality import Quality, folded_faces
 from ddgfab.optimize.solve import Progress, Solution, SolveOptions, Step, polish, solve
-from ddgfab.optimize.terms import closeness, fairness
+from ddgfab.optimize.terms import closeness, fairness, on_surface
 
 StageProgress = Callable[[str, int, Step], None]
 """Called with the name of a stage, the number of a step and the step."""
@@ -86,9 +87,17 @@ class Task:
     hard: tuple[Term, ...]
     fixed: Ints
     features: Ints | None
+    surface: Mesh | None
     options: RecipeOptions
     iterative: bool
     progress: StageProgress | None
+
+    @cached_property
+    def near(self) -> tuple[Term, ...]:
+        """The wish to stay on a surface, if there is one."""
+        if self.surface is None:
+            return ()
+        return (on_surface(self.mesh, self.surface, weight=_ON_SURFACE),)
 
     @property
     def width(self) -> float:
@@ -128,6 +137,7 @@ def _attempt(task: Task, stiffness: Stiffness, start: Mesh, before: Quality) -> 
         [
             closeness(mesh, weight=(stiffness.reach * task.width) ** -4),
             fairness(mesh, smoothing=stiffness.smoothing, features=task.features),
+            *task.near,
             *task.hard,
         ],
         fixed=task.fixed,
@@ -188,6 +198,8 @@ def _judge(task: Task, mesh: Mesh, before: Quality, history: tuple[tuple[str, St
     return Trial(mesh, residual, moved, folded_faces(mesh, task.mesh), tuple(remarks), history)
 
 
+_ON_SURFACE = 0.1
+"""Weight of distances from a surface; of movements along it (reach * width)^-4, far less."""
 _ROUGH = 1e-4
 """Residual at which conjugate gradients hand over to exact steps."""
 _FINE = 1e-8

@@ -25,6 +25,7 @@ from ddgfab.optimize import (
     planarize,
     roughness,
 )
+from ddgfab.optimize.terms import on_surface
 
 PLANAR = 1e-10
 """What the issue asks for: distance of diagonals over their mean."""
@@ -230,6 +231,18 @@ def test_history_and_progress() -> None:
     assert any("exact" in stage for stage, _ in result.history)
     assert result.before.vertices == result.after.vertices == mesh.n_vertices
     assert result.after.measures["planarity_percent"].greatest < 1e-8
+
+
+def test_vertices_slide_along_a_surface() -> None:
+    """Nearer to the surface than without, for more movement along it."""
+    mesh = dome(16)
+    free, near = planarize(mesh), planarize(mesh, surface=mesh)
+    assert planarity_percent(near.mesh).max() / 100 < PLANAR
+    off = [
+        float(np.abs(on_surface(mesh, mesh).residual(r.mesh.vertices.ravel())).mean())
+        for r in (free, near)
+    ]
+    assert off[1] < 0.4 * off[0]
 
 
 def test_features_may_bend() -> None:
