@@ -295,5 +295,4 @@ def _curving(pieces: Pieces, pairs: Placed, moving: Moving, turn: Floats) -> Flo
     fastest = relative + moving.half * pull
     far = np.linalg.norm(middles[1] - middles[0], axis=1) + radii[0] + radii[1]
     far = far + moving.half * fastest
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.where(np.isinf(pull), np.inf, pull + w * (2.0 * fastest + w * far)))
+    return np.asarray(pull + w * (2.0 * fastest + w * far))
