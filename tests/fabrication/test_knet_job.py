@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import runpy
 from collections.abc import Callable
 from pathlib import Path
 
@@ -302,3 +303,11 @@ def test_beams_with_compound_angles_keep_their_clearances(tmp_path: Path) -> Non
     assert max(abs(b.shape.start.skew) for b in plan.gridshell.beams) > 0.01
     result = make(plan, tmp_path / "out")
     assert result.exit_code == 0, result.problems
+
+
+def test_the_example_program(capsys: pytest.CaptureFixture[str]) -> None:
+    runpy.run_path(str(EXAMPLES / "08_knets.py"), run_name="__main__")
+    lines = capsys.readouterr().out.splitlines()
+    assert [float(line[28:35]) for line in lines[1:4]] == pytest.approx([2.0] * 3, abs=0.05)
+    assert "K = -1 to" in lines[4]
+    assert "320 bars of 1 part number and 176 nodes of 11" in lines[5]
