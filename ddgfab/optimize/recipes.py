@@ -19,7 +19,7 @@ from ddgfab.optimize.terms import (
     conicality_terms,
     planarity_terms,
 )
-from ddgfab.optimize.trials import RecipeOptions, StageProgress, Task, Trial, climb
+from ddgfab.optimize.trials import RecipeOptions, StageProgress, Task, Trial, climb, without_noise
 
 Boundary = Literal["free", "glide", "fixed"]
 """What boundary vertices may do."""
@@ -114,12 +114,15 @@ def _recipe(
     met = _residual(hard, small.vertices)
     if met <= chosen.tolerance:
         return OptimizeResult(goal, mesh, mesh, "converged", (), met)
+    sharp = None if features is None else _ids(features, mesh.n_edges, "feature edge")
+    large = mesh.n_faces > chosen.search_faces
     task = Task(
         goal,
         small,
+        without_noise(small, held, sharp) if large else small,
         hard,
         held,
-        None if features is None else _ids(features, mesh.n_edges, "feature edge"),
+        sharp,
         None if surface is None else surface.with_vertices((surface.vertices - centre) / unit),
         chosen,
         surface is None and (mesh.n_faces > _FACTORED or (smooth and boundary == "free")),

@@ -131,7 +131,7 @@ class _Stepper:
         self._options = options
         self._solver = SymmetricSolver(options.backend)
         self._metric = None
-        if options.iterative and any(t.hard for t in problem.terms):
+        if options.iterative:
             self._metric = FairMetric.of(problem, options.damping)
 
     @property
@@ -143,7 +143,7 @@ class _Stepper:
         """The system of a step from a state."""
         chosen = self._options
         if self._metric is not None:
-            if self._metric.diagonal is None:
+            if self._metric.diagonal is None or lines.shape[0] == 0:
                 return Fair(
                     self._metric.solve, lines, csr_array(lines.T), chosen.forcing, chosen.iterations
                 )

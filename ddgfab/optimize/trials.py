@@ -18,7 +18,7 @@ import numpy as np
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Ints, Mesh
 from ddgfab.optimize.problem import Problem, Term
-from ddgfab.optimize.quality import Quality, folded_faces
+from ddgfab.optimize.quality import Quality, folded_faces, roughness
 from ddgfab.optimize.solve import Progress, Solution, SolveOptions, Step, polish, solve
 from ddgfab.optimize.terms import closeness, fairness, on_surface
 
@@ -84,6 +84,8 @@ class Task:
 
     goal: str
     mesh: Mesh
+    design: Mesh
+    """What to stay near and to be as fair as: the mesh, or the mesh without its noise."""
     hard: tuple[Term, ...]
     fixed: Ints
     features: Ints | None
@@ -135,8 +137,8 @@ def _attempt(task: Task, stiffness: Stiffness, start: Mesh, before: Quality) -> 
     problem = Problem.build(
         mesh,
         [
-            closeness(mesh, weight=(stiffness.reach * task.width) ** -4),
-            fairness(mesh, smoothing=stiffness.smoothing, features=task.features),
+            closeness(task.design, weight=(stiffness.reach * task.width) ** -4),
+            fairness(task.design, smoothing=stiffness.smoothing, features=task.features),
             *task.near,
             *task.hard,
         ],
@@ -200,7 +202,7 @@ def _judge(task: Task, mesh: Mesh, before: Quality, history: tuple[tuple[str, St
 
 _ON_SURFACE = 0.1
 """Weight of distances from a surface; of movements along it (reach * width)^-4, far less."""
-_ROUGH = 1e-4
+_ROUGH = 3e-4
 """Residual at which conjugate gradients hand over to exact steps."""
 _FINE = 1e-8
 """Residual at which factored steps do."""
@@ -209,8 +211,26 @@ _DECREASE = 1e-2
 _LAST_STEPS = 12
 _LAST_REGULARISATION = 1e-13
 """For the exact steps: their equations are dependent only on flat or closed meshes."""
+_NOISE_REACH = 3.0
+"""Waves shorter than about six times as many edges can be noise."""
+_NOISY = 0.5
+"""They are when without them polylines bend less than this part of what they did."""
 _ROUND = 1e-9
 """Roughness that is rounding."""
+
+
+def without_noise(mesh: Mesh, fixed: Ints, features: Ints | None) -> Mesh:
+    """The mesh, or one without its noise where bends of a few edges are mostly noise.
+
+    On large meshes fairness reaches over many edges and would have to fight the noise of each.
+    """
+    problem = Problem.build(
+        mesh,
+        [closeness(mesh, weight=_NOISE_REACH**-4), fairness(mesh, features=features)],
+        fixed=fixed,
+    )
+    smooth = mesh.with_vertices(problem.vertices(solve(problem).value))
+    return smooth if roughness(smooth) < _NOISY * roughness(mesh) else mesh
 
 
 def climb(task: Task) -> tuple[Trial, tuple[tuple[str, Step], ...]]:
@@ -224,7 +244,7 @@ def climb(task: Task) -> tuple[Trial, tuple[tuple[str, Step], ...]]:
     trials: list[Trial] = []
     rung = _FIRST
     for rung in range(_FIRST, len(_LADDER)):
-        trials.append(_attempt(task, _LADDER[rung], task.mesh, before))
+        trials.append(_attempt(task, _LADDER[rung], task.design, before))
         if good(trials[-1]):
             break
     best = trials[-1]

@@ -233,6 +233,16 @@ def test_history_and_progress() -> None:
     assert result.after.measures["planarity_percent"].greatest < 1e-8
 
 
+def test_noise_is_taken_out_of_large_meshes_first() -> None:
+    """`search_faces` says what is large; the smooth waves stay, the noise of the edges goes."""
+    mesh, smooth = wavy(40, 0.05), wavy(40)
+    large = planarize(mesh, options=RecipeOptions(search_faces=100))
+    check(large, mesh)
+    assert roughness(large.mesh) < 1.2 * roughness(smooth) < 0.3 * roughness(mesh)
+    apart = np.linalg.norm(large.mesh.vertices - planarize(smooth).mesh.vertices, axis=1)
+    assert apart.mean() < 0.2
+
+
 def test_vertices_slide_along_a_surface() -> None:
     """Nearer to the surface than without, for more movement along it."""
     mesh = dome(16)
