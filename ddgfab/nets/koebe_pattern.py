@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
-from scipy.special import spence
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats, Ints, Mesh
@@ -98,6 +97,8 @@ class CirclePattern:
         d = rho[f] - rho[v]
         # Im Li2(i e^d) = Im Li2(i e^-d) + pi/2 d: no power of e that overflows.
         far = np.abs(d)
+        from scipy.special import spence  # heavy: only where it is needed
+
         terms = 2.0 * spence(1.0 - 1j * np.exp(-far)).imag + 0.5 * np.pi * far
         free = ~self.lines
         linear = float(self.angle_sums[free] @ rho[free])

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.mesh import Floats, Mesh
@@ -43,6 +42,8 @@ def join(parts: Sequence[MinimalNet], moves: Sequence[Floats]) -> MinimalNet:
     radii = np.concatenate([p.gauss.radii for p in parts])
     shift = np.cumsum([0, *(p.mesh.n_vertices for p in parts[:-1])])
     near = JOIN * min(float(p.mesh.edge_lengths.min()) for p in parts)
+    from scipy.spatial import KDTree  # heavy: only where it is needed
+
     pairs = KDTree(points).query_pairs(near, output_type="ndarray").reshape(-1, 2)
     graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(points),) * 2)
     vertex_of = connected_components(graph, directed=False)[1]

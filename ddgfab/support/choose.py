@@ -62,9 +62,9 @@ def support_structure(
     Raises
     ------
     SupportError
-        An unknown kind; axes of the wrong shape; a kind that the net does not allow, with the defect; a triangle mesh
-        (Prop. 5.2); no torsion-free axes; axes that lie in the surface (`LEAN_UPRIGHT_DEG`), as
-        on nets along asymptotic lines.
+        An unknown kind; axes of the wrong shape; a kind that the net does not allow, with the
+        defect; a triangle mesh (Prop. 5.2); no torsion-free axes; axes that lie in the surface
+        (`LEAN_UPRIGHT_DEG`), as on nets along asymptotic lines.
     """
     if kind not in get_args(SupportKind):
         raise SupportError(

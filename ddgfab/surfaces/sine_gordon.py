@@ -11,7 +11,6 @@ from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
@@ -203,6 +202,8 @@ def integrated(slope: Callable[[float, Floats], Floats], start: Floats, at: Floa
 
     Source: Dormand, Prince, order 8 (scipy's DOP853).
     """
+    from scipy.integrate import solve_ivp  # heavy: only where it is needed
+
     found = solve_ivp(
         slope,
         (float(at[0]), float(at[-1])),

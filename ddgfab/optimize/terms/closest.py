@@ -7,7 +7,6 @@ plus the largest radius; candidates are asked for until none of the rest can be.
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh, unit
@@ -25,6 +24,8 @@ class _Tree:
         self.shapes = shapes
         centres = shapes.mean(axis=1)
         self._radius = float(np.linalg.norm(shapes - centres[:, None], axis=2).max())
+        from scipy.spatial import cKDTree  # heavy: only where it is needed
+
         self._tree = cKDTree(centres)
 
     def feet(self, points: Floats, which: Ints) -> Floats:
