@@ -15,6 +15,7 @@ import numpy as np
 from fabrication.checks.file import check_threemf
 from fabrication.designs import Progress
 from fabrication.export.folder import OutputFolder, safe_name
+from fabrication.export.glb import write_glb
 from fabrication.export.manifest import (
     MANIFEST,
     build_manifest,
@@ -108,6 +109,8 @@ class _KitJob:
         families = lying_broad(self.kit)
         gif = "gif" in self.formats
         pictures = self.pool.submit(write_pictures, self.staging, families, meshes, scene, gif)
+        if "glb" in self.formats:
+            write_glb(self.staging / "model.glb", families, meshes)
         with self._timed("plates"):
             extra = [*motion_checks(self.kit), *self._plates()]
         with self._timed("poses"):

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from ddgfab.errors import InputError
 from ddgfab.io import read_mesh
 from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism
 from ddgfab.mesh import Floats
 from ddgfab.net import Net
-from ddgfab.nets.knet import KNet, knet
+from ddgfab.nets.knet import KNet
 from ddgfab.nets.knet_crab import crab_net
 from ddgfab.nets.knet_recover import recover_knet
-from ddgfab.nets.registry import find_generator, generate
+from fabrication.kits.surfaces import check_numbers, surface_net
 from fabrication.project.models import Finite, Positive, Section
 
 Angle = Annotated[float, Field(gt=0, lt=360)]
 Twist = Annotated[float, Field(gt=0, lt=180)]
 Index = Annotated[int, Field(ge=0)]
 Count = Annotated[int, Field(ge=1, le=100)]
+
+MADE: Final = ("surface", "parameters", "cells", "deltas_deg")
+"""What a K-net is made from; a file has its own."""
 
 BENNETT_BETA_DEG: Final = 70.0
 """Second twist [deg] of a Bennett linkage when neither b nor beta is given."""
@@ -89,16 +92,18 @@ class CubeLinkage(Section):
 class KNetLinkage(Section):
     """[linkage] kind = "knet": every quad of a K-net is an isogram; m + n - 1 degrees of freedom.
 
-    The net comes from a file, from a surface by name, or from Cauchy data (the default).
+    The net comes from a file, or from a surface by name.
 
     Attributes
     ----------
     file : OBJ, OFF or PLY of a K-net that is a grid, relative to the project file
-    surface, parameters : a kind of net that `ddgfab net --list` shows, and its parameters
-    patch : [i0, i1, j0, j1], the vertices of file or surface that are taken, ends included
-    cells, deltas_deg : number of cells in both directions and twists of their bars
-    turns_deg : how much each bar of the two lines through hinge 0 turns from the one before it
-    corner_deg : angle between these lines
+    patch : [i0, i1, j0, j1], the vertices of the file that are taken, ends included
+    surface : "cauchy" (two lines of constant turns), "amsler", "pseudosphere", "dini", "breather"
+        or "kuen"
+    parameters : the surface's own numbers: { corner_deg, turn_0_deg, turn_1_deg }, { angle_deg }
+        between the straight lines, { psi_deg } and { sigma_deg, psi_deg } (90 at the rim), { tau,
+        phase_deg }, { shift }; they say also which part of the surface the net is
+    cells, deltas_deg : of a surface: number of cells in both directions, twists of their bars
     longest_mm : length of the longest bars; all are scaled
     anchor : vertex of the driving angle; by default the one in the middle
     path : "locked" keeps the turns of the two lines through the anchor and moves the angle between
@@ -107,38 +112,23 @@ class KNetLinkage(Section):
 
     kind: Literal["knet"] = "knet"
     file: Path | None = Field(default=None, strict=False)
-    surface: str | None = None
-    parameters: dict[str, Any] = Field(default_factory=dict)
     patch: tuple[Index, Index, Index, Index] | None = Field(default=None, strict=False)
-    cells: tuple[Count, Count] | None = Field(default=None, strict=False)
-    deltas_deg: tuple[Twist, Twist] | None = Field(default=None, strict=False)
-    turns_deg: tuple[Finite, Finite] | None = Field(default=None, strict=False)
-    corner_deg: Finite | None = None
+    surface: str = "cauchy"
+    parameters: dict[str, Finite] = Field(default_factory=dict)
+    cells: tuple[Count, Count] = Field(default=(3, 3), strict=False)
+    deltas_deg: tuple[Twist, Twist] = Field(default=(20.0, 20.0), strict=False)
     longest_mm: Positive = 80.0
     anchor: tuple[Index, Index] | None = Field(default=None, strict=False)
     path: Literal["locked", "fold"] = "locked"
 
-    @field_validator("surface")
-    @classmethod
-    def _known(cls, value: str | None) -> str | None:
-        if value is not None:
-            find_generator(value)
-        return value
-
     @model_validator(mode="after")
     def _one_source(self) -> KNetLinkage:
-        given = [name for name in ("file", "surface") if getattr(self, name) is not None]
-        cauchy = [
-            name
-            for name in ("cells", "deltas_deg", "turns_deg", "corner_deg")
-            if getattr(self, name) is not None
-        ]
-        if len(given) == 2 or (given and cauchy):
-            raise ValueError(f"{given[0]} and {[*given, *cauchy][1]} exclude each other")
-        if self.patch is not None and not given:
-            raise ValueError("patch is for file or surface")
-        if self.parameters and self.surface is None:
-            raise ValueError("parameters are those of a surface")
+        made = [name for name in MADE if name in self.model_fields_set]
+        if self.file is not None and made:
+            raise ValueError(f"file and {made[0]} exclude each other")
+        if self.patch is not None and self.file is None:
+            raise ValueError("patch is for file")
+        check_numbers(self.surface, self.parameters)
         return self
 
     def mechanism(self, folder: Path | None = None) -> Mechanism:
@@ -158,26 +148,17 @@ class KNetLinkage(Section):
 
     def net(self, folder: Path | None = None) -> KNet:
         """The K-net itself, in its own unit."""
-        if self.file is not None:
-            path = self.file if folder is None else folder / self.file
-            try:
-                return recover_knet(self._patch(Net.from_mesh(read_mesh(path).mesh))).knet
-            except InputError as error:
-                raise type(error)(
-                    f"{path}: {error}" if error.file is None else str(error)
-                ) from None
-        if self.surface is not None:
-            mesh = generate(self.surface, self.parameters)
-            return recover_knet(self._patch(Net.from_mesh(mesh))).knet
-        cells = self.cells or (3, 3)
-        deltas = np.radians(self.deltas_deg or (20.0, 20.0))
-        turns = np.radians(self.turns_deg or (0.0, 0.0))
-        corner = np.radians(90.0 if self.corner_deg is None else self.corner_deg)
-        return knet(
-            [np.full(count, delta) for count, delta in zip(cells, deltas, strict=True)],
-            [np.full(count - 1, turn) for count, turn in zip(cells, turns, strict=True)],
-            corner,
-        )
+        if self.file is None:
+            alphas, betas = (
+                np.full(count, np.radians(delta))
+                for count, delta in zip(self.cells, self.deltas_deg, strict=True)
+            )
+            return surface_net(self.surface, alphas, betas, self.parameters)
+        path = self.file if folder is None else folder / self.file
+        try:
+            return recover_knet(self._patch(Net.from_mesh(read_mesh(path).mesh))).knet
+        except InputError as error:
+            raise type(error)(f"{path}: {error}" if error.file is None else str(error)) from None
 
     def _patch(self, net: Net) -> Floats:
         """Points of the part of a net that is taken."""

@@ -20,9 +20,9 @@ from fabrication.project.load import explain, find_line, read_toml, sections_in,
 from fabrication.project.models import NotNegative, Positive, Section
 from fabrication.standards.printers import printer
 
-Format = Literal["step", "stl", "3mf", "csv", "xlsx", "html", "gif"]
+Format = Literal["step", "stl", "3mf", "glb", "csv", "xlsx", "html", "gif"]
 
-FORMATS: Final[tuple[Format, ...]] = ("step", "stl", "3mf", "csv", "xlsx", "html", "gif")
+FORMATS: Final[tuple[Format, ...]] = ("step", "stl", "3mf", "glb", "csv", "xlsx", "html", "gif")
 
 
 class KitName(Section):

@@ -138,6 +138,7 @@ def test_the_folder_holds_what_the_design_says(bennett: Kit, made: JobResult) ->
     expected = {f"parts/{kind}/{n}.{kind}" for kind in ("step", "stl", "3mf") for n in numbers}
     expected |= {f"schedules/{name}.csv" for name in ("bom", "links", "hinges", "assembly")}
     expected |= {"assembly.step", "plates/plate_1.3mf", "report.html", "preview.png", "motion.gif"}
+    expected |= {"model.glb"}
     assert expected <= names
     assert {path.relative_to(made.folder).as_posix() for path in made.folder.rglob("*.*")} == {
         *names,

@@ -11,8 +11,9 @@ import pytest
 
 from ddgfab.errors import DdgError, InputError, ProjectError
 from ddgfab.io import read_mesh, write_obj
-from fabrication.kits.kit import find_kit_project
+from fabrication.kits.kit import find_kit_project, kit
 from fabrication.kits.models import kit_kinds, load_kit_project, make_kit_project
+from fabrication.kits.surfaces import SURFACES
 
 MeshFile = Callable[[str], Path]
 
@@ -72,7 +73,15 @@ def test_parts_replace_the_printers_defaults() -> None:
         ({"part": {}}, r"\[part\] is unknown; did you mean parts"),
         ({"output": {"formats": ["obj"]}}, r"\[output\] formats"),
         ({"linkage": {"kind": "knet", "file": "a.obj", "cells": [2, 2]}}, r"file and cells excl"),
-        ({"linkage": {"kind": "knet", "patch": [0, 2, 0, 2]}}, r"patch is for file or surface"),
+        (
+            {"linkage": {"kind": "knet", "surface": "dinni"}},
+            r'"dinni" is unknown; did you mean dini',
+        ),
+        (
+            {"linkage": {"kind": "knet", "surface": "dini", "parameters": {"sigma": 1.0}}},
+            r"surface dini has no sigma; did you mean sigma_deg",
+        ),
+        ({"linkage": {"kind": "knet", "patch": [0, 2, 0, 2]}}, r"patch is for file"),
     ],
 )
 def test_wrong_projects_are_explained(sections: dict[str, Any], message: str) -> None:
@@ -106,6 +115,29 @@ def test_linkages_that_do_not_move_are_refused(linkage: dict[str, Any], message:
 def test_parts_that_no_printer_makes_are_refused(parts: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         make_kit_project({"parts": parts}).part_settings()
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_surfaces_by_name_are_linkages(surface: str) -> None:
+    linkage = {"kind": "knet", "surface": surface, "cells": [3, 4], "longest_mm": 60.0}
+    mechanism = make_kit_project({"linkage": linkage}).mechanism()
+    assert (mechanism.n_bars, mechanism.n_hinges, mechanism.mobility) == (31, 20, 6)
+    assert mechanism.lengths.max() == pytest.approx(60)
+    assert 2 <= len(np.unique(mechanism.lengths.round(9) * np.sign(mechanism.twists))) <= 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("surface", SURFACES)
+def test_surfaces_by_name_move(surface: str) -> None:
+    made = kit("knet", surface=surface, deltas_deg=[12.0, 12.0])
+    assert made.motion.proven
+    assert np.degrees(made.motion.range) > 90
+
+
+def test_a_surface_with_two_twists_that_has_one(mesh_file: MeshFile) -> None:
+    linkage = {"kind": "knet", "surface": "pseudosphere", "deltas_deg": [20.0, 25.0]}
+    with pytest.raises(InputError, match="all have one twist"):
+        make_kit_project({"linkage": linkage}).mechanism()
 
 
 def test_a_knet_from_a_file_and_a_patch_of_it(mesh_file: MeshFile) -> None:

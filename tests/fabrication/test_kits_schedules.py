@@ -21,7 +21,12 @@ CASES = {
     "bennett": {"kind": "bennett"},
     "other hand": {"kind": "bennett", "alpha_deg": 35, "beta_deg": 120, "a_mm": 61.7},
     "cube": {"kind": "cube"},
-    "knet": {"kind": "knet", "cells": [3, 2], "deltas_deg": [31, 47], "turns_deg": [7, -11]},
+    "knet": {
+        "kind": "knet",
+        "cells": [3, 2],
+        "deltas_deg": [31, 47],
+        "parameters": {"turn_0_deg": 7, "turn_1_deg": -11},
+    },
 }
 
 
