@@ -24,14 +24,21 @@ import numpy as np
 
 from ddgfab.errors import DegenerateError, InputError, OptimizeError
 from ddgfab.measures import planarity_percent
-from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.optimize.problem import Problem, Term, mean_edge
 from ddgfab.optimize.quality import folded_faces
-from ddgfab.optimize.repetition import Piece, Pieces, cluster_shapes, family_labels, pieces
+from ddgfab.optimize.repetition import (
+    Clusters,
+    Piece,
+    Pieces,
+    cluster_shapes,
+    family_labels,
+    pieces,
+)
 from ddgfab.optimize.result import OptimizeResult
 from ddgfab.optimize.solve import SolveOptions, Step, polish, solve
 from ddgfab.optimize.terms import closeness, planarity_terms
-from ddgfab.optimize.terms.edges import Lengths
+from ddgfab.optimize.terms.base import LocalTerm
 from ddgfab.optimize.torsion_problem import boundary_terms, smooth_change
 from ddgfab.optimize.torsion_terms import Power
 from ddgfab.tolerances import NET_PLANAR_PERCENT
@@ -124,24 +131,25 @@ def families(
     """
     if of not in get_args(Piece):
         raise InputError(f'families of "{of}"; one of {", ".join(get_args(Piece))}')
-    unit = mean_edge(mesh)
-    tolerance = unit * _TOLERANCE if fit_tolerance is None else fit_tolerance
-    limit = unit * _MOVEMENT if max_movement is None else max_movement
+    edge = mean_edge(mesh)
+    tolerance = edge * _TOLERANCE if fit_tolerance is None else fit_tolerance
+    limit = edge * _MOVEMENT if max_movement is None else max_movement
     for name, value in (("fit_tolerance", tolerance), ("max_movement", limit)):
         if not value > 0:
             raise InputError(f"{name} = {value:g}: more than zero is needed")
     chosen = options or FamiliesOptions()
     centre = mesh.vertices[mesh.corners].mean(axis=0)
-    small = mesh.with_vertices((mesh.vertices - centre) / unit)
+    small = mesh.with_vertices((mesh.vertices - centre) / edge)
     glide, held = boundary_terms(small, fixed, boundary)
     planar = np.flatnonzero(planarity_percent(mesh) <= NET_PLANAR_PERCENT)
     flat = planarity_terms(small, planar)
-    task = _Task(small, of, tolerance / unit, limit / unit, (*flat, *glide), held, features, chosen)
+    task = _Task(small, of, tolerance / edge, limit / edge, (*flat, *glide), held, features, chosen)
     before = family_labels(small, of, task.tolerance)
     best, labels, history = small, before, list[tuple[str, Step]]()
     groups = len(np.unique(before))
-    for part in chosen.counts:
-        count = max(1, round(part * groups))
+    for count in dict.fromkeys(max(1, round(part * groups)) for part in chosen.counts):
+        if groups == 1:
+            break
 
         def tell(number: int, step: Step, stage: str = f"{count} clusters") -> None:
             history.append((stage, step))
@@ -154,7 +162,7 @@ def families(
         now = family_labels(found, of, task.tolerance)
         if len(np.unique(now)) < len(np.unique(labels)):
             best, labels = found, now
-    points = best.vertices * unit + centre
+    points = best.vertices * edge + centre
     points[held] = mesh.vertices[held]
     missed = best is small
     result = FamiliesResult(
@@ -210,45 +218,64 @@ class _Task:
 def _moved(task: _Task, count: int, tell: Callable[[int, Step], None]) -> Mesh | None:
     """The mesh moved towards some number of shapes; None where a limit is not kept."""
     mesh, options = task.mesh, task.options
-    wishes: list[Term] = [
-        smooth_change(mesh, options.fairness, task.features),
-        closeness(mesh, weight=options.closeness),
-        Power(term=closeness(mesh), width=3, limit=options.aim * task.limit, weight=_HOLD),
-    ]
     groups = pieces(mesh, task.of)
     total = sum(len(group.ids) for group in groups)
-    problem = Problem.build(mesh, fixed=task.held)
-    sharpest, width = options.sharpest * task.tolerance, np.inf
+    points, sharpest, width = mesh.vertices, options.sharpest * task.tolerance, np.inf
     for left in reversed(range(options.rounds)):
-        points = problem.vertices(problem.start)
         clusters = [
-            _Clusters.of(group, points, max(1, round(count * len(group.ids) / total)))
+            cluster_shapes(
+                group.distances(points),
+                group.turns,
+                min(len(group.ids), max(1, round(count * len(group.ids) / total))),
+            )
             for group in groups
         ]
-        far = max(task.limit, *(float(c.away.max()) for c in clusters))
-        width = min(width, _WIDE * far)
-        shapes = [cluster.term(width) for cluster in clusters]
-        if left < options.rounds / 2:  # until then all pieces count
+        blocks = {f"shapes {k}": found.shapes for k, found in enumerate(clusters)}
+        problem = Problem.build(mesh.with_vertices(points), blocks=blocks, fixed=task.held)
+        away = [
+            np.abs(group.distances(points) - found.targets).max(axis=1)
+            for group, found in zip(groups, clusters, strict=True)
+        ]
+        width = min(width, _WIDE * max(task.limit, *(float(far.max()) for far in away)))
+        shapes = [
+            _shape_term(group, found, problem.layout.block(name).start, far, width)
+            for group, found, name, far in zip(groups, clusters, blocks, away, strict=True)
+        ]
+        done = 1 - left / options.rounds
+        loose = _LEAST_WISH ** min(1.0, 2 * done)
+        if done > 1 / 2:  # until then all pieces count
             width = max(sharpest, width * (sharpest / width) ** (1 / max(left, 1)))
-        step = replace(problem, terms=(*wishes, *shapes, *task.hard))
         rough = SolveOptions(max_steps=options.steps, tolerance=_ROUGH)
+        step = problem.with_terms(*_wishes(task, loose), *shapes, *task.hard)
         try:
-            problem = problem.with_start(solve(step, rough, throw=False, progress=tell).value)
+            points = problem.vertices(solve(step, rough, throw=False, progress=tell).value)
         except DegenerateError:
             return None
+    last = Problem.build(mesh.with_vertices(points), task.hard, fixed=task.held)
     if task.hard:
-        exact = replace(
-            problem, terms=(closeness(mesh, problem.vertices(problem.start)), *task.hard)
-        )
-        problem = problem.with_start(polish(exact, throw=False).value)
-    found = mesh.with_vertices(problem.vertices(problem.start))
-    movement = np.linalg.norm(found.vertices - mesh.vertices, axis=1)
-    kept = movement.max() <= task.limit and task.residual(problem.start) <= _EXACT
+        points = last.vertices(polish(last, throw=False).value)
+    found = mesh.with_vertices(points)
+    movement = np.linalg.norm(points - mesh.vertices, axis=1)
+    kept = movement.max() <= task.limit and task.residual(points.ravel()) <= _EXACT
     return found if kept and not len(folded_faces(found, mesh)) else None
 
 
-_HOLD = 0.01
-"""Weight of the limit of the movement."""
+def _wishes(task: _Task, part: float) -> tuple[Term, ...]:
+    """Smooth and small movement, with part of their weights, within the limit."""
+    options, near = task.options, closeness(task.mesh)
+    return (
+        smooth_change(task.mesh, part * options.fairness, task.features),
+        replace(near, weight=part * options.closeness),
+        Power(term=near, width=3, limit=options.aim * task.limit, power=_HOLD_POWER, weight=_HOLD),
+    )
+
+
+_LEAST_WISH = 1e-5
+"""Part of their weights that wishes about the movement keep to the end; less bias than rounding."""
+
+_HOLD = 1e-3
+_HOLD_POWER = 8
+"""Weight and power of the limit of the movement: far below it, hardly any pull."""
 
 _WIDE = 3.0
 """Pieces up to this many times the greatest distance from the shapes weigh much, at first."""
@@ -257,28 +284,33 @@ _ROUGH = 1e-8
 """Residual of the hard terms within a round."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Clusters:
-    """Pieces, (n, p) the distances that their cluster shapes ask for, (n,) how far they are off."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShapeDistances(LocalTerm):
+    """Distance of two corners minus that of their cluster's shape, which is unknown as well."""
 
-    group: Pieces
-    target: Floats
-    away: Floats
+    def values(self, local: Floats) -> Floats:
+        """(m,) residuals."""
+        return np.asarray(np.linalg.norm(local[:, 3:6] - local[:, :3], axis=1) - local[:, 6])
 
-    @staticmethod
-    def of(group: Pieces, points: Floats, count: int) -> _Clusters:
-        shapes = group.distances(points)
-        target, _ = cluster_shapes(shapes, group.turns, min(count, len(shapes)))
-        return _Clusters(group, target, np.abs(shapes - target).max(axis=1))
+    def gradients(self, local: Floats) -> Floats:
+        """(m, 7)."""
+        way = unit(local[:, 3:6] - local[:, :3])
+        return np.concatenate([-way, way, np.full((len(way), 1), -1.0)], axis=1)
 
-    def term(self, width: float) -> Lengths:
-        """Distances near those of the cluster shapes; pieces further than `width` weigh little."""
-        weight = width**2 / (width**2 + self.away**2)  # its square is that of Geman and McClure
-        ends = self.group.corners[:, self.group.pairs].reshape(-1, 2)
-        return Lengths(
-            name="family shapes",
-            index=(3 * ends[..., None] + np.arange(3)).reshape(len(ends), -1),
-            factor=np.repeat(weight, len(self.group.pairs)),
-            low=self.target.ravel(),
-            high=self.target.ravel(),
-        )
+
+def _shape_term(
+    group: Pieces, clusters: Clusters, first: int, away: Floats, width: float
+) -> ShapeDistances:
+    """Distances near those of the clusters; pieces further off than `width` weigh little.
+
+    first : unknown where the block of the clusters' shapes begins
+    """
+    weight = width**2 / (width**2 + away**2)  # its square is that of Geman and McClure
+    ends = group.corners[:, group.pairs].reshape(-1, 2)
+    corners = (3 * ends[..., None] + np.arange(3)).reshape(len(ends), -1)
+    shapes = first + clusters.cluster[:, None] * clusters.shapes.shape[1] + clusters.places
+    return ShapeDistances(
+        name="family shapes",
+        index=np.concatenate([corners, shapes.reshape(-1, 1)], axis=1),
+        factor=np.repeat(weight, len(group.pairs)),
+    )

@@ -123,8 +123,29 @@ def _deviation(one: Floats, others: Floats) -> Floats:
     return worst
 
 
-def cluster_shapes(shapes: Floats, turns: Ints, count: int) -> tuple[Floats, Ints]:
-    """k-means of (n, p) shapes up to turning: (n, p) nearest cluster shapes, (n,) their numbers.
+@dataclass(frozen=True, eq=False)
+class Clusters:
+    """Shapes that pieces are near to.
+
+    Attributes
+    ----------
+    shapes : (K, p) shapes of the clusters
+    cluster : (n,) number of each piece's
+    places : (n, p) which distance of it stands for each of the piece's: the way it is turned
+    """
+
+    shapes: Floats
+    cluster: Ints
+    places: Ints
+
+    @property
+    def targets(self) -> Floats:
+        """(n, p) distances that the clusters ask of the pieces."""
+        return self.shapes[self.cluster[:, None], self.places]
+
+
+def cluster_shapes(shapes: Floats, turns: Ints, count: int) -> Clusters:
+    """k-means of (n, p) shapes up to turning.
 
     Starts with the shape nearest to the mean and, one after another, those farthest from all
     taken; deterministic.
@@ -153,5 +174,4 @@ def cluster_shapes(shapes: Floats, turns: Ints, count: int) -> tuple[Floats, Int
         np.add.at(total, cluster, variants[np.arange(len(shapes)), turn])
         members = np.bincount(cluster, minlength=len(at))[:, None]
         at = np.where(members > 0, total / np.maximum(members, 1), at)
-    back = np.argsort(turns[turn], axis=1)  # from the turned piece to the piece itself
-    return np.take_along_axis(at[cluster], back, axis=1), cluster
+    return Clusters(at, cluster, np.argsort(turns[turn], axis=1))
