@@ -36,7 +36,7 @@ def inspect_command(
 
 @app.command("check")
 def check_command(
-    files: Annotated[list[Path], typer.Argument(help="STEP or STL files.")],
+    files: Annotated[list[Path], typer.Argument(help="STEP, STL or 3MF files.")],
     debug: Debug = False,
 ) -> None:
     """Is each file closed and valid, and what is its volume?"""

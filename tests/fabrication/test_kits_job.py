@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import runpy
 import shutil
 import subprocess
 from dataclasses import replace
@@ -239,11 +240,49 @@ def test_read_back_meshes_never_meet_on_the_way(bennett: Kit, made: JobResult) -
     motions = bennett.motions(angles)
     marks = list(motions)
     number = {i.mark: f.number for f in bennett.families for i in f.instances}
-    for t in range(0, POSES, 7):
+    for t in range(POSES):
         bodies = [solids[number[m]].transform(motions[m][t][:3]) for m in marks]
         for i, one in enumerate(bodies):
             for two in bodies[:i]:
                 assert (one ^ two).volume() < OVERLAP_MM3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"source": "cube", "parts": {"pin": "printed", "label": "embossed"}},
+        {"source": "knet", "cells": [2, 3], "longest_mm": 70.0},
+        {"source": "crab", "rings": 3},
+    ],
+    ids=lambda settings: settings["source"],
+)
+def test_other_kits_never_meet_on_the_way_either(settings: dict[str, Any], tmp_path: Path) -> None:
+    made = kit(**settings, output={"formats": ["stl"]})
+    result = make_kit(made, tmp_path / "kit")
+    assert result.exit_code == 0, result.problems
+    found = check_poses(made, meshes_of(result.folder), made.angles(POSES))
+    failed = [check for checks in found.values() for check in checks if not check.passed]
+    assert not failed
+
+
+@pytest.mark.slow
+def test_the_example_program(capsys: pytest.CaptureFixture[str]) -> None:
+    examples = Path(__file__).resolve().parents[2] / "examples"
+    runpy.run_path(str(examples / "05_linkage.py"), run_name="__main__")
+    said = capsys.readouterr().out
+    assert "1 degree of freedom, free from" in said
+    assert "2 x LP-001: 90.000 mm, right hand" in said
+    assert "12 solids on a foot" in said
+
+
+@pytest.mark.slow
+def test_the_program_in_the_documentation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (Path(__file__).resolve().parents[2] / "docs" / "linkages.md").read_text("utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(program, "linkages.md", "exec"), {})
+    assert (tmp_path / "out" / "toy" / "manifest.json").exists()
 
 
 @pytest.mark.slow
