@@ -14,6 +14,7 @@ import numpy as np
 
 from ddgfab.linkages.mechanism import Mechanism
 from ddgfab.mesh import Floats
+from fabrication.linkage.facing import Facing, facings
 from fabrication.linkage.links import Linkage
 from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
 from fabrication.specs import Family, Fitting, Link, Pin
@@ -118,8 +119,12 @@ def exact(value: float) -> str:
 
 
 def link_rows(linkage: Linkage) -> list[Row]:
-    """A row a link: its hinges, levels, and the angle at its start in the design pose."""
-    mechanism = linkage.mechanism
+    """A row a link: its hinges, levels, and the angle at its start in the design pose.
+
+    label_side and label_towards say how a link goes on its pins: the side with the label up along
+    the axes or down, and the pin at the end to which the label reads.
+    """
+    mechanism, facing = linkage.mechanism, facings(linkage)
     numbers = number_of(linkage)
     azimuths = bar_azimuths(mechanism)
     rows = []
@@ -140,6 +145,8 @@ def link_rows(linkage: Linkage) -> list[Row]:
                 "pin_end": piece.pins[1],
                 "level_start": piece.levels[0],
                 "level_end": piece.levels[1],
+                "label_side": _side(facing[piece.mark]),
+                "label_towards": f"H-{facing[piece.mark].towards:04d}",
                 "length_mm": float(mechanism.lengths[bar]),
                 "twist_deg": float(np.degrees(mechanism.twists[bar])),
                 "hand": hand(float(mechanism.twists[bar])),
@@ -150,6 +157,10 @@ def link_rows(linkage: Linkage) -> list[Row]:
             }
         )
     return rows
+
+
+def _side(facing: Facing) -> str:
+    return "up" if facing.up else "down"
 
 
 def bar_azimuths(mechanism: Mechanism) -> Floats:
@@ -202,7 +213,7 @@ def assembly_rows(linkage: Linkage) -> list[Row]:
 
     The pins come in an order in which every one but the first takes a link that is already there.
     """
-    numbers = number_of(linkage)
+    numbers, facing = number_of(linkage), facings(linkage)
     pins = {p.hinge: p.mark for p in linkage.pieces if isinstance(p, Pin) and p.hinge is not None}
     levels = {
         (piece.mark, hinge): level
@@ -224,6 +235,7 @@ def assembly_rows(linkage: Linkage) -> list[Row]:
                     "number": numbers[item.mark],
                     "role": item.role,
                     "level": levels.get((item.mark, hinge)),
+                    "label_side": _side(facing[item.mark]) if item.mark in facing else None,
                     "from_mm": item.low,
                     "to_mm": item.high,
                 }

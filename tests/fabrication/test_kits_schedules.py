@@ -183,3 +183,13 @@ def test_levels_of_links_agree_with_the_stacks(linkage: Linkage) -> None:
             middle = height[row[f"hinge_{end}"], row["mark"]] + linkage.settings.eye_height / 2
             bar, place = row["bar"], ("start", "end").index(end)
             assert middle == pytest.approx(linkage.heights[bar, place], abs=1e-9)
+
+
+def test_labels_tell_how_links_go_on_their_pins(linkage: Linkage) -> None:
+    tables = tables_of(linkage)
+    side = {row["mark"]: row["label_side"] for row in tables["links"]}
+    for row in tables["links"]:
+        assert row["label_towards"] in (row["pin_start"], row["pin_end"])
+        assert row["label_side"] in ("up", "down")
+    for row in tables["assembly"]:
+        assert row["label_side"] == side.get(row["part"])
