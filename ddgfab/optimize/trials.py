@@ -115,6 +115,8 @@ class Trial:
     residual: float
     moved: float
     """Greatest movement of a vertex."""
+    lost: bool
+    """Whether that is so far that nothing of the design is left."""
     folded: Ints
     remarks: tuple[str, ...]
     history: tuple[tuple[str, Step], ...]
@@ -123,11 +125,11 @@ class Trial:
         """Whether hard terms are missed, or faces folded."""
         return not self.residual <= accepted or len(self.folded) > 0
 
-    def rank(self, accepted: float) -> tuple[bool, int, int, float]:
-        """The smaller the better: goal met, folds, wishes not granted, movement or residual."""
+    def rank(self, accepted: float) -> tuple[bool, int, bool, int, float]:
+        """The smaller the better: goal met, folds, lost design, wishes, movement or residual."""
         missed = not self.residual <= accepted
         last = self.residual if missed else self.moved
-        return missed, len(self.folded), len(self.remarks), last
+        return missed, len(self.folded), self.lost, len(self.remarks), last
 
 
 def _attempt(task: Task, stiffness: Stiffness, start: Mesh, before: Quality) -> Trial:
@@ -197,7 +199,9 @@ def _judge(task: Task, mesh: Mesh, before: Quality, history: tuple[tuple[str, St
         )
     residual = max(float(np.abs(t.residual(mesh.vertices.ravel())).max()) for t in task.hard)
     moved = float(np.linalg.norm(mesh.vertices - task.mesh.vertices, axis=1).max())
-    return Trial(mesh, residual, moved, folded_faces(mesh, task.mesh), tuple(remarks), history)
+    lost = moved > _LOST * task.mesh.diameter
+    folded = folded_faces(mesh, task.mesh)
+    return Trial(mesh, residual, moved, lost, folded, tuple(remarks), history)
 
 
 _ON_SURFACE = 0.1
@@ -215,6 +219,8 @@ _NOISE_REACH = 3.0
 """Waves shorter than about six times as many edges can be noise."""
 _NOISY = 0.5
 """They are when without them polylines bend less than this part of what they did."""
+_LOST = 0.2
+"""Movements beyond this part of the diameter are worse than wishes that are not granted."""
 _ROUND = 1e-9
 """Roughness that is rounding."""
 
@@ -238,7 +244,7 @@ def climb(task: Task) -> tuple[Trial, tuple[tuple[str, Step], ...]]:
     accepted = task.options.accepted
 
     def good(trial: Trial) -> bool:
-        return not trial.failed(accepted) and not trial.remarks
+        return not (trial.failed(accepted) or trial.lost or trial.remarks)
 
     before = Quality.of(task.mesh)
     trials: list[Trial] = []
