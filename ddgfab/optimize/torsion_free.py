@@ -31,7 +31,14 @@ from ddgfab.support.structure import SupportStructure
 from ddgfab.support.triangles import refuse_triangles
 from ddgfab.tolerances import TORSION_EXACT_DEG
 
-LIMITS: tuple[tuple[float, float], ...] = ((15.0, 0.5), (20.0, 0.75), (25.0, 1.0), (28.0, 1.5))
+LIMITS: tuple[tuple[float, float], ...] = (
+    (15.0, 0.5),
+    (20.0, 0.75),
+    (25.0, 1.0),
+    (25.0, 1.25),
+    (28.0, 1.5),
+    (28.0, 2.0),
+)
 """Limits that are tried in turn: greatest lean [deg], greatest movement [mean edges]."""
 
 
