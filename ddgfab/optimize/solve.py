@@ -77,6 +77,14 @@ Progress = Callable[[int, Step], None]
 
 _GIVE_UP = 1e6
 """Steps under a heavier damping are too short to be of use."""
+_HEAVIER, _HEAVY = 100.0, 1e-4
+"""After a step that failed: damping times this, and at least this."""
+_EXACT, _FORGET = 1.5, 0.3
+"""Penalty over the greatest multiplier, so that the merit is exact; how fast it may sink."""
+_HALVINGS = 8
+"""Shorter steps that are tried."""
+_ROUNDING = 1e-12
+"""Part of the merit that is rounding."""
 
 
 class _State:
@@ -182,15 +190,14 @@ def solve(
     damping, penalty, status = chosen.damping, 0.0, "stopped"
     force = np.zeros(len(state.values))
     history: list[Step] = []
-    for number in range(chosen.max_steps):
+    for _ in range(chosen.max_steps):
         gradient, lines = state.gradient_and_lines()
         system = stepper.system(state, lines, damping)
         move, new = system.step(gradient, state.values, force)
-        penalty = max(1.5 * float(np.abs(new).max(initial=0.0)), 0.3 * penalty)
-
+        penalty = max(_EXACT * float(np.abs(new).max(initial=0.0)), _FORGET * penalty)
         after, length, longest = _search(state, system, move, penalty, chosen.longest_step)
         if after is None:
-            damping = max(100 * damping, 1e-4)
+            damping = max(_HEAVIER * damping, _HEAVY)
             if damping > _GIVE_UP or not stepper.damped:
                 status = "converged" if state.violation <= chosen.tolerance else "stalled"
                 break
@@ -200,7 +207,7 @@ def solve(
         step = Step(after.objective, after.violation, longest, length)
         history.append(step)
         if progress is not None:
-            progress(number, step)
+            progress(len(history) - 1, step)
         fallen = state.objective - after.objective
         state = after
         if state.violation <= chosen.tolerance and abs(fallen) <= chosen.decrease * max(
@@ -239,10 +246,7 @@ def polish(
     )
     state, status = _State(only, problem.start.copy()), "stopped"
     history: list[Step] = []
-    for number in range(chosen.max_steps):
-        if state.violation <= chosen.tolerance:
-            status = "converged"
-            break
+    while state.violation > chosen.tolerance and len(history) < chosen.max_steps:
         gradient, lines = state.gradient_and_lines()
         system = Dual.of(solver, np.ones(len(gradient)), lines, chosen.regularisation)
         move, _ = system.step(gradient, state.values, np.zeros(len(state.values)))
@@ -253,7 +257,9 @@ def polish(
         state = after
         history.append(Step(0.0, state.violation, longest, length))
         if progress is not None:
-            progress(number, history[-1])
+            progress(len(history) - 1, history[-1])
+    if state.violation <= chosen.tolerance:
+        status = "converged"
     return _finished(problem, state, status, history, chosen, throw)
 
 
@@ -286,14 +292,14 @@ def _search(
     if not np.isfinite(greatest):
         return None, 0.0, 0.0
     length = min(1.0, longest / greatest) if greatest > 0 else 1.0
-    limit = state.merit(penalty) * (1 + 1e-12)
+    limit = state.merit(penalty) * (1 + _ROUNDING)
 
     def at(step: Floats) -> _State:
         full = np.zeros(len(state.x))
         full[problem.free] = problem.scale[problem.free] * step
         return _State(problem, state.x + full)
 
-    for halving in range(8):
+    for halving in range(_HALVINGS):
         after = at(length * move)
         if after.merit(penalty) <= limit:
             return after, length, length * greatest
