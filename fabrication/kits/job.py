@@ -29,13 +29,12 @@ from fabrication.kits.kit import Kit
 from fabrication.kits.moving import lying_broad, moving_scene, report_page, write_pictures
 from fabrication.kits.page import write_page
 from fabrication.kits.poses import check_poses
-from fabrication.kits.printing import write_plates
+from fabrication.kits.printing import PRINTED_CHORD_MM, write_plates
 from fabrication.kits.schedules import kit_schedules
 from fabrication.parts import PartJob, PartResult, PartSettings, assemble, make_parts, verify_parts
 from fabrication.pipeline import JobResult
 from fabrication.pool import Workers, worker_pool
 from fabrication.problems import problems_of
-from fabrication.records import CHORD_MM
 from fabrication.schedules import mass_kg
 from fabrication.specs import Check, Role, TriangleMesh
 from fabrication.table import Table
@@ -308,7 +307,7 @@ def part_settings(kit: Kit, folder: Path) -> PartSettings:
         folder=folder,
         step="step" in formats,
         stl="stl" in formats,
-        chord=CHORD_MM,
+        chord=PRINTED_CHORD_MM,
         schema=output.step_schema,
         header=Header(output.author, output.organisation, kit.name),
         materials={

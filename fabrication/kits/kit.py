@@ -18,12 +18,11 @@ from ddgfab.mesh import Floats
 from fabrication.designs import Progress
 from fabrication.kits.models import KitProject, kit_kinds, load_kit_project, make_kit_project
 from fabrication.kits.plates import Plate, Printed
-from fabrication.kits.printing import laid_out
+from fabrication.kits.printing import PRINTED_CHORD_MM, laid_out
 from fabrication.kits.schedules import kit_schedules
 from fabrication.kits.widen import Moved, moved, widened
 from fabrication.linkage.links import Linkage
 from fabrication.linkage.motion import Contact, FreeMotion
-from fabrication.records import CHORD_MM
 from fabrication.schedules import mass_kg
 from fabrication.solids import mesh_of
 from fabrication.specs import Family, Instance, Role
@@ -298,7 +297,7 @@ def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
     tell("print plates", 0, 0)
     begin = time.perf_counter()
     families = found.linkage.families
-    meshes = {f.number: mesh_of(f.shape, CHORD_MM) for f in families}
+    meshes = {f.number: mesh_of(f.shape, PRINTED_CHORD_MM) for f in families}
     printed, filled = laid_out(families, meshes, project.printer.bed())
     lap("print plates", begin)
     return Kit(project, mechanism, found, printed, filled, seconds)

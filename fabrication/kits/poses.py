@@ -11,10 +11,13 @@ import numpy as np
 from ddgfab.mesh import Floats
 from fabrication.checks.assembly import Clash, examine_assembly
 from fabrication.kits.kit import Kit
+from fabrication.kits.printing import PRINTED_CHORD_MM
 from fabrication.linkage.motion import JOINT_CLEARANCE
 from fabrication.linkage.settings import LinkageSettings
-from fabrication.records import CHORD_MM
 from fabrication.specs import Check, Role, TriangleMesh
+
+SLACK_MM: Final = 2 * PRINTED_CHORD_MM
+"""How much [mm] a gap between two meshes may fall short, as both are within their chord."""
 
 MOVING: Final[tuple[Role, ...]] = ("link", "pin", "cap", "spacer")
 """Roles of what moves; the coupon lies aside."""
@@ -44,15 +47,13 @@ def check_poses(
     on_pins = _on_pins(kit)
     worst: dict[tuple[str, str], Clash] = {}
     for angle in angles:
-        report = examine_assembly(
-            kit.placed(float(angle)), meshes, everywhere, tolerance=2 * CHORD_MM
-        )
+        report = examine_assembly(kit.placed(float(angle)), meshes, everywhere, tolerance=SLACK_MM)
         for clash in report.clashes:
             limit = clash.limit
             if on_pins[clash.marks[0]] & on_pins[clash.marks[1]]:
                 limit = limit_on_pin(settings, clash.marks)
             before = worst.get(clash.marks)
-            if clash.gap < limit - 2 * CHORD_MM and (before is None or clash.gap < before.gap):
+            if clash.gap < limit - SLACK_MM and (before is None or clash.gap < before.gap):
                 worst[clash.marks] = Clash(clash.marks, clash.gap, limit)
     checks: dict[str, list[Check]] = {}
     for clash in worst.values():

@@ -16,6 +16,10 @@ from fabrication.kits.schedules import is_printed
 from fabrication.linkspecs import RingShape
 from fabrication.specs import Family, TriangleMesh
 
+PRINTED_CHORD_MM: Final = 0.01
+"""Greatest distance [mm] of the meshes that are printed from the exact surfaces: a twentieth of the
+clearance between pin and bore, so that round parts turn in round bores."""
+
 UPSIDE_DOWN: Final[Floats] = np.diag([1.0, -1.0, -1.0, 1.0])
 """A half turn about x."""
 

@@ -22,8 +22,8 @@ from fabrication.export.threemf import read_threemf
 from fabrication.kits.job import make_kit
 from fabrication.kits.kit import Kit, kit
 from fabrication.kits.poses import check_poses, limit_on_pin
+from fabrication.kits.printing import PRINTED_CHORD_MM
 from fabrication.pipeline import JobResult
-from fabrication.records import CHORD_MM
 from fabrication.specs import Link, LinkShape, TriangleMesh
 
 POSES = 50
@@ -400,8 +400,8 @@ def test_solids_in_hand_at_any_pose(bennett: Kit) -> None:
         placed = mesh.vertices @ motions[solid.label][0, :3, :3].T + motions[solid.label][0, :3, 3]
         box = solid.bounding_box()
         low, high = np.array(list(box.min)), np.array(list(box.max))
-        assert np.abs(low - placed.min(axis=0)).max() < 2 * CHORD_MM
-        assert np.abs(high - placed.max(axis=0)).max() < 2 * CHORD_MM
+        assert np.abs(low - placed.min(axis=0)).max() < 2 * PRINTED_CHORD_MM
+        assert np.abs(high - placed.max(axis=0)).max() < 2 * PRINTED_CHORD_MM
     assembly = bennett.to_cadquery()
     assert assembly.objects["L-0003"].metadata["number"] == "LP-002"
 
