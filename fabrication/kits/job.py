@@ -27,7 +27,7 @@ from fabrication.export.step import Header, Material
 from fabrication.export.tables import write_xlsx
 from fabrication.kits.kit import Kit
 from fabrication.kits.moving import lying_broad, moving_scene, report_page, write_pictures
-from fabrication.kits.page import write_page
+from fabrication.kits.page import MovingScene, write_page
 from fabrication.kits.poses import check_poses
 from fabrication.kits.printing import PRINTED_CHORD_MM, write_plates
 from fabrication.kits.schedules import kit_schedules
@@ -104,12 +104,6 @@ class _KitJob:
         tasks = [[(p.number, p.properties.volume, p.mesh, p.files)] for p in parts]
         reading = [self.pool.submit(verify_parts, task) for task in tasks]
         assembly = self._assemble(parts)
-        scene = moving_scene(self.kit)
-        families = lying_broad(self.kit)
-        gif = "gif" in self.formats
-        pictures = self.pool.submit(write_pictures, self.staging, families, meshes, scene, gif)
-        if "glb" in self.formats:
-            write_glb(self.staging / "model.glb", families, meshes)
         with self._timed("plates"):
             extra = [*motion_checks(self.kit), *self._plates()]
         with self._timed("poses"):
@@ -120,6 +114,9 @@ class _KitJob:
             extra += self._collect_assembly(assembly)
         parts = [replace(p, checks=(*p.checks, *found.get(p.number, ()))) for p in parts]
         checks = self._checks_by_mark(parts, poses)
+        failed = {mark for mark, list_ in checks.items() if not all(c.passed for c in list_)}
+        scene = moving_scene(self.kit)
+        pictures = self._draw(scene, meshes, failed)
         tables = kit_schedules(self.kit.linkage, self._masses(parts))
         with self._timed("schedules"):
             self._write_schedules(tables)
@@ -140,6 +137,16 @@ class _KitJob:
         manifest["problems"] = [problem.to_dict() for problem in problems]
         write_manifest(self.staging / MANIFEST, manifest)
         return JobResult(self.target, manifest, tuple(lines), tuple(warnings))
+
+    def _draw(
+        self, scene: MovingScene, meshes: Mapping[str, TriangleMesh], failed: set[str]
+    ) -> Future[Any]:
+        """Start the pictures, and write the model: what failed is red."""
+        families = lying_broad(self.kit)
+        if "glb" in self.formats:
+            write_glb(self.staging / "model.glb", families, meshes, failed)
+        gif = scene if "gif" in self.formats else None
+        return self.pool.submit(write_pictures, self.staging, families, meshes, failed, gif)
 
     def _make(self) -> list[PartResult]:
         """All part numbers, in the pool."""

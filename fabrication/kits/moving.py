@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -149,18 +149,18 @@ def write_pictures(
     folder: Path,
     families: Sequence[Family],
     meshes: Mapping[str, TriangleMesh],
-    scene: MovingScene,
-    gif: bool,
+    failed: Collection[str],
+    scene: MovingScene | None,
 ) -> tuple[list[str], float]:
-    """Write preview.png and, if asked, motion.gif: warnings, and seconds.
+    """Write preview.png and, of a scene, motion.gif: warnings, and seconds.
 
     A machine without graphics is no fault of the linkage: no pictures then, and a warning.
     """
     begin = time.perf_counter()
     warnings = []
     try:
-        write_preview(folder / "preview.png", families, meshes)
-        if gif:
+        write_preview(folder / "preview.png", families, meshes, failed)
+        if scene is not None:
             write_animation(folder / "motion.gif", scene)
     except OutputError as error:
         warnings.append(f"no pictures: {error}")

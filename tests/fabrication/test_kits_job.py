@@ -7,6 +7,7 @@ import re
 import runpy
 import shutil
 import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -118,6 +119,18 @@ def bore(shape: Any, end: int, bennett: Kit, mark: str) -> tuple[np.ndarray, np.
     axis = np.array([0, -np.sin(shape.twist) * end, np.cos(shape.twist * end), 0])
     change = np.linalg.inv(instance.placement) @ piece.placement
     return (change @ point)[:3], (change @ axis)[:3]
+
+
+def test_a_kit_is_numbers_until_solids_are_asked_for() -> None:
+    program = """
+import sys
+from fabrication import kit
+made = kit("bennett")
+made.schedules, made.motions([1.0]), made.plates, repr(made)
+loaded = [m for m in ("OCP", "build123d", "cadquery", "pyvista", "plotly") if m in sys.modules]
+assert not loaded, loaded
+"""
+    subprocess.run([sys.executable, "-c", program], check=True, timeout=60)
 
 
 def test_poses_outside_the_limits_are_refused(bennett: Kit) -> None:
@@ -293,6 +306,23 @@ def test_beyond_the_range_the_pose_check_finds_the_contact(bennett: Kit, made: J
     found = check_poses(bennett, meshes, np.array([end]))
     clashes = {mark for mark, checks in found.items() if not all(c.passed for c in checks)}
     assert clashes & set(contact.marks)
+
+
+@pytest.mark.slow
+def test_a_kit_that_fails_a_check_says_so(bennett: Kit, tmp_path: Path) -> None:
+    """A range that is claimed too wide: the parts meet at its ends, and the job tells which."""
+    output = bennett.project.output.model_copy(update={"formats": ("csv", "html")})
+    wide = replace(bennett.motion, high=np.radians(172))
+    claimed = replace(
+        bennett,
+        project=bennett.project.model_copy(update={"output": output}),
+        moved=replace(bennett.moved, motion=wide),
+    )
+    result = make_kit(claimed, tmp_path / "claimed")
+    assert result.exit_code == 1
+    assert any("clearance to links: " in line for line in result.problems), result.problems
+    assert result.manifest["checks"]["failed"] > 0
+    assert "FAILED clearance to links" in (tmp_path / "claimed" / "report.html").read_text("utf-8")
 
 
 def test_limits_on_a_pin_are_those_of_the_settings(bennett: Kit) -> None:
