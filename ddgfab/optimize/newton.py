@@ -34,8 +34,11 @@ _DIFFERENCE = 1e-4
 _SHIFT = 1e-9
 """Least damping: keeps unknowns that nothing pulls where they are."""
 
-_LEAST_DAMPING = 1e-4
-"""Damping tried first where the function is not convex; less counts as none."""
+_FIRST_DAMPING, _LEAST_DAMPING = 1e-2, 1e-4
+"""Damping tried first where the function is not convex on the equations; less counts as none."""
+
+_RAISE, _EASE = 20.0, 4.0
+"""Factors by which damping is raised when a step fails, and eased after one that succeeds."""
 
 _MOST_DAMPING = 1e8
 """Damping at which steps are too short to go on."""
@@ -144,12 +147,15 @@ class _Point:
 
 
 def _factored(matrix: csc_array) -> tuple[Callable[[Floats], Floats], int]:
-    """Solver of a symmetric system without pivoting, and its number of negative pivots."""
+    """Solver of a symmetric system without pivoting, and its number of negative pivots.
+
+    Raises
+    ------
+    RuntimeError
+        A pivot is zero.
+    """
     lu = splu(
-        matrix,
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
+        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
 
     def solve(right: Floats) -> Floats:
@@ -159,6 +165,15 @@ def _factored(matrix: csc_array) -> tuple[Callable[[Floats], Floats], int]:
         return np.asarray(found)
 
     return solve, int((lu.U.diagonal() < 0).sum())
+
+
+def _downhill(system: csc_array, right: Floats, rows: int) -> Floats | None:
+    """Solution of a step's system, None unless the function is convex on the equations."""
+    try:
+        solve, negative = _factored(system)
+    except RuntimeError:
+        return None
+    return solve(right) if negative == rows else None
 
 
 def _stage(
@@ -180,18 +195,18 @@ def _stage(
         slope_of_merit = gradient + lines.T @ pull
         rows, size = lines.shape
         after, length, move = None, 0.0, np.zeros(size)
-        damping = damping / 3 if damping > _LEAST_DAMPING else 0.0
+        damping = damping / _EASE if damping > _LEAST_DAMPING else 0.0
         while after is None and damping < _MOST_DAMPING:
             damped = hessian + (damping + _SHIFT) * eye_array(size)
             system = block_array([[damped, lines.T], [lines, -eps * eye_array(rows)]], format="csc")
-            solve, negative = _factored(csc_array(system))
-            if negative == rows:  # convex on the equations: the step goes downhill
-                move = solve(np.concatenate([-gradient, -point.values - eps * force]))[:size]
-                after, length = _shortened(
-                    point, move, (value, float(slope_of_merit @ move)), merit, options.longest_step
-                )
+            right = np.concatenate([-gradient, -point.values - eps * force])
+            both = _downhill(csc_array(system), right, rows)
+            if both is not None:
+                move = both[:size]
+                start = value, float(slope_of_merit @ move)
+                after, length = _shortened(point, move, start, merit, options.longest_step)
             if after is None:
-                damping = max(10 * damping, _LEAST_DAMPING)
+                damping = max(_RAISE * damping, _FIRST_DAMPING)
         if after is None:
             break
         longest = length * float(np.abs(move).max())

@@ -29,7 +29,7 @@ from ddgfab.optimize.torsion_terms import AXES
 from ddgfab.support.even import even_lean
 from ddgfab.support.structure import SupportStructure
 from ddgfab.support.triangles import refuse_triangles
-from ddgfab.tolerances import TORSION_EXACT_DEG
+from ddgfab.tolerances import RELATIVE_DEGENERATE, TORSION_EXACT_DEG
 
 LIMITS: tuple[tuple[float, float], ...] = (
     (15.0, 0.5),
@@ -100,6 +100,8 @@ def torsion_free(
         result and tells lean and movement that were reached.
     SupportError
         A triangle mesh: its only torsion-free axes meet in one point (Prop. 5.2).
+    DegenerateError
+        A face without area.
     InputError
         A limit that is not positive, an id out of range, an unknown boundary.
 
@@ -110,13 +112,18 @@ def torsion_free(
             raise InputError(f"{name} = {value:g}: more than zero is needed")
     if (mesh.face_sizes == 3).all():
         raise refuse_triangles(mesh)
+    empty = np.flatnonzero(mesh.face_areas <= RELATIVE_DEGENERATE * mesh.diameter**2)
+    if len(empty):
+        raise DegenerateError(
+            f"face {empty[0]} has no area ({mesh.face_areas[empty[0]]:.1e}), so no plane: repair it"
+        )
     chosen = options or TorsionFreeOptions()
     if axes_only:
         return _axes_only(mesh, max_lean, throw)
     centre, unit = mesh.vertices[mesh.corners].mean(axis=0), mean_edge(mesh)
     small = mesh.with_vertices((mesh.vertices - centre) / unit)
     hard, held = boundary_terms(small, fixed, boundary)
-    rungs = _rungs(max_lean, None if max_movement is None else max_movement / unit)
+    rungs = _rungs(max_lean, None if max_movement is None else float(max_movement) / unit)
     trials: list[_Trial] = []
     for rung in rungs:
         trials.append(_attempt(small, rung, hard, held, features, chosen, progress))
@@ -132,9 +139,9 @@ def torsion_free(
         status="converged" if best.good else "missed",
         history=tuple(step for trial in trials for step in trial.history),
         residual=best.residual,
-        remarks=best.remarks,
+        remarks=(*_climbed(trials), *best.remarks),
         axes=best.axes,
-        tried=tuple((*t.limits, np.degrees(t.lean.max()), t.movement.max()) for t in trials),
+        tried=tuple((*t.limits, *t.reached) for t in trials),
     )
     if throw and not best.good:
         raise OptimizeError(_complaint(best, trials), result=result)
@@ -175,10 +182,14 @@ class _Trial:
         return flat and self.torsion_deg <= TORSION_EXACT_DEG
 
     @property
+    def reached(self) -> tuple[float, float]:
+        """Greatest lean [deg] and movement [mean edges]."""
+        return float(np.degrees(self.lean.max())), float(self.movement.max())
+
+    @property
     def excess(self) -> tuple[float, float]:
         """Lean and movement over their limits; up to one is kept."""
-        lean_deg, movement = self.limits
-        return float(np.degrees(self.lean.max())) / lean_deg, float(self.movement.max()) / movement
+        return self.reached[0] / self.limits[0], self.reached[1] / self.limits[1]
 
     @property
     def good(self) -> bool:
@@ -211,10 +222,7 @@ def _attempt(
 
     problem = Problem.build(mesh, blocks={AXES: mesh.vertex_normals}, fixed=held)
     problem = problem.with_terms(*terms_of(mesh, problem, limits, options, features), *hard)
-    try:
-        found = newton(problem, options.solver, throw=False, progress=tell).value
-    except DegenerateError:
-        found = problem.start
+    found = newton(problem, options.solver, throw=False, progress=tell).value
     moved = mesh.with_vertices(problem.vertices(found))
     support = SupportStructure.of(moved, problem.layout.values(found, AXES))
     residual = max(float(np.abs(t.residual(found)).max()) for t in problem.terms if t.hard)
@@ -231,6 +239,18 @@ def _attempt(
         remarks=_remarks(mesh, moved, options),
         history=tuple(history),
         flat_limit=options.planarity,
+    )
+
+
+def _climbed(trials: list[_Trial]) -> tuple[str, ...]:
+    """That limits of the ladder were not met, where a later rung was taken."""
+    if len(trials) == 1:
+        return ()
+    first, last = trials[0].limits, trials[-1]
+    return (
+        f"axes within {first[0]:g} deg and movement within {first[1]:g} mean edges were not found; "
+        f"these lean by up to {last.reached[0]:.1f} deg, with movement up to "
+        f"{last.reached[1]:.2f} mean edges",
     )
 
 
@@ -300,16 +320,16 @@ def _complaint(best: _Trial, trials: list[_Trial]) -> str:
         )
     if best.excess[0] > 1:
         lines.append(
-            f"axes lean by up to {np.degrees(best.lean.max()):.1f} deg (limit {lean_deg:.3g}), "
+            f"axes lean by up to {best.reached[0]:.1f} deg (limit {lean_deg:.3g}), "
             f"most at vertices {_named(best.lean)}"
         )
     if best.excess[1] > 1:
         lines.append(
-            f"vertices move by up to {best.movement.max():.3g} mean edges (limit {movement:.3g}), "
+            f"vertices move by up to {best.reached[1]:.3g} mean edges (limit {movement:.3g}), "
             f"most at vertices {_named(best.movement)}"
         )
     trade = "; ".join(
-        f"{np.degrees(t.lean.max()):.1f} deg with {t.movement.max():.2f}"
+        f"{t.reached[0]:.1f} deg with {t.reached[1]:.2f}"
         + ("" if t.exact and not len(t.folded) else " (not exact)")
         for t in trials
     )

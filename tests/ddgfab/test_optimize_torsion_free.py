@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ddgfab.errors import InputError, OptimizeError, SupportError
+from ddgfab.errors import DegenerateError, InputError, OptimizeError, SupportError
 from ddgfab.io import read_mesh
 from ddgfab.measures import lean, planarity_percent, torsion
 from ddgfab.mesh import Mesh
@@ -141,6 +142,15 @@ def test_fixed_vertices_stay() -> None:
     assert np.array_equal(result.mesh.vertices[[0, 17]], mesh.vertices[[0, 17]])
 
 
+def test_a_ladder_that_is_climbed_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = importlib.import_module("ddgfab.optimize.torsion_free")
+    monkeypatch.setattr(module, "LIMITS", ((0.001, 0.01), (15.0, 0.5)))
+    result = torsion_free(vault(count=3))
+    check(result)
+    assert [rung[:2] for rung in result.tried] == [(0.001, 0.01), (15.0, 0.5)]
+    assert "axes within 0.001 deg and movement within 0.01 mean edges were not" in result.remarks[0]
+
+
 def test_hexagons() -> None:
     """Three edges a node: every planar mesh has parallel meshes enough, so axes stand upright."""
     result = torsion_free(honeycomb(2))
@@ -187,6 +197,10 @@ def test_refusals() -> None:
     triangle = Mesh.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     with pytest.raises(SupportError, match="triangle mesh"):
         torsion_free(triangle)
+    points = mesh.vertices.copy()
+    points[[0, 1, 3, 4]] = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]
+    with pytest.raises(DegenerateError, match="face 0 has no area"):
+        torsion_free(mesh.with_vertices(points))
 
 
 def test_by_the_name_of_its_goal() -> None:
