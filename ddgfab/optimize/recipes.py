@@ -24,6 +24,8 @@ from ddgfab.optimize.trials import RecipeOptions, StageProgress, Task, Trial, cl
 Boundary = Literal["free", "glide", "fixed"]
 """What boundary vertices may do."""
 
+_NAMED = 5
+"""How many folded faces a message names."""
 _FAR = 0.1
 """Movements beyond this part of the mesh's diameter change the design, not only its faces."""
 
@@ -67,7 +69,7 @@ def _complaint(task: Task, best: Trial) -> str:
     accepted, x = task.options.accepted, best.mesh.vertices.ravel()
     lines = [words for term in task.hard if (words := missed_words(term, x, accepted))]
     if len(best.folded):
-        names = ", ".join(map(str, best.folded[:5].tolist()))
+        names = ", ".join(map(str, best.folded[:_NAMED].tolist()))
         lines.append(f"{len(best.folded)} faces fold: {names}")
     held = len(task.fixed)
     way = (

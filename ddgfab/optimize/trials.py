@@ -210,7 +210,7 @@ _ROUGH = 3e-4
 """Residual at which conjugate gradients hand over to exact steps."""
 _FINE = 1e-8
 """Residual at which factored steps do."""
-_DECREASE = 1e-2
+_DECREASE = 3e-2
 """The wishes have come to rest when a step improves them by less than this part."""
 _LAST_STEPS = 12
 _LAST_REGULARISATION = 1e-13
