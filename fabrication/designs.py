@@ -234,8 +234,12 @@ def optimise(
 
 def _own_options(settings: OptimizeSettings) -> dict[str, Any]:
     """What only one goal takes."""
-    if settings.goal == "torsion-free" and settings.max_lean_deg is not None:
-        return {"max_lean": math.radians(settings.max_lean_deg)}
+    if settings.goal == "torsion-free":
+        lean = settings.max_lean_deg
+        return {
+            "axes_only": settings.axes_only,
+            "max_lean": None if lean is None else math.radians(lean),
+        }
     if settings.goal == "families":
         return {"of": settings.families_of, "fit_tolerance": settings.fit_tolerance_mm}
     return {}

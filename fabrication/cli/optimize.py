@@ -39,15 +39,16 @@ def optimize_command(
 ) -> None:
     """Make the faces planar, the net circular or conical, the structure torsion-free.
 
-    Writes the mesh, a report (TARGET.json: every measure before and after, movement, history) and a
-    picture of the movement. Where the goal is missed, the best mesh reached is kept apart as
-    TARGET.missed.obj, nothing else is written, and the exit code is 1.
+    Writes the mesh, a report (TARGET.json: every measure before and after, movement, history, node
+    axes where they were found) and a picture of the movement. Where the goal is missed, the best
+    mesh reached is kept apart as TARGET.missed.obj, nothing else is written; the exit code is 1.
     """
     from ddgfab.errors import OptimizeError
 
     with errors(debug), progress() as tell:
         from ddgfab.io import check_target, read_mesh, write_mesh
         from ddgfab.io.atomic import atomic_path
+        from ddgfab.optimize import TorsionFreeResult
         from ddgfab.optimize.report import comparison, comparison_text
         from fabrication.designs import optimise
 
@@ -62,6 +63,8 @@ def optimize_command(
             _keep_apart(error, target)
             raise typer.Exit(FAILED) from None
         record = {"file": read.file, "sha256": read.sha256, **comparison(result)}
+        if isinstance(result, TorsionFreeResult):
+            record["axes"] = result.axes.tolist()
         write_mesh(target, result.mesh)
         with atomic_path(target.with_suffix(".json")) as temporary:
             temporary.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")

@@ -99,6 +99,7 @@ class Net(Section):
 
 
 OPTIMIZE_OPTIONS: Final = {
+    "axes_only": "torsion-free",
     "max_lean_deg": "torsion-free",
     "families_of": "families",
     "fit_tolerance_mm": "families",
@@ -117,6 +118,7 @@ class OptimizeSettings(Section):
     boundary : what boundary vertices may do: "free", "glide" along the boundary, "fixed"
     feature_angle_deg : edges sharper than this are features, which need not stay smooth
     max_movement_mm : a vertex that would move further is an error
+    axes_only : "torsion-free": vertices stay, only node axes are found
     max_lean_deg : "torsion-free": greatest angle between node axis and surface normal
     families_of : "families": of panels, or of edges by their length
     fit_tolerance_mm : "families": pieces that agree within it are equal
@@ -127,6 +129,7 @@ class OptimizeSettings(Section):
     boundary: Boundary = "free"
     feature_angle_deg: Degrees | None = None
     max_movement_mm: Positive | None = None
+    axes_only: bool = False
     max_lean_deg: Annotated[float, Field(gt=0, le=90)] | None = None
     families_of: Literal["panel", "edge"] = "panel"
     fit_tolerance_mm: Positive | None = None
