@@ -31,6 +31,7 @@ from fabrication.kits.page import MovingScene, write_page
 from fabrication.kits.poses import check_poses
 from fabrication.kits.printing import PRINTED_CHORD_MM, write_plates
 from fabrication.kits.schedules import kit_schedules
+from fabrication.linkage.motion_confirm import poses_to_confirm
 from fabrication.parts import PartJob, PartResult, PartSettings, assemble, make_parts, verify_parts
 from fabrication.pipeline import JobResult
 from fabrication.pool import Workers, worker_pool
@@ -108,7 +109,10 @@ class _KitJob:
             extra = [*motion_checks(self.kit), *self._plates()]
         with self._timed("poses"):
             self.tell("poses", 0, 0)
-            poses = check_poses(self.kit, meshes)
+            angles = poses_to_confirm(self.kit.motion, between=1)
+            poses = check_poses(self.kit, meshes, angles)
+            clear = all(check.passed for checks in poses.values() for check in checks)
+            extra.append(Check("poses in which the meshes are clear", clear, float(len(angles))))
         with self._timed("waiting for the other processes"):
             found = self._collect(reading)
             extra += self._collect_assembly(assembly)

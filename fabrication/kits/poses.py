@@ -7,8 +7,8 @@ from itertools import combinations_with_replacement
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ddgfab.mesh import Floats
 from fabrication.checks.assembly import Clash, examine_assembly
 from fabrication.kits.kit import Kit
 from fabrication.kits.printing import PRINTED_CHORD_MM
@@ -24,7 +24,7 @@ MOVING: Final[tuple[Role, ...]] = ("link", "pin", "cap", "spacer")
 
 
 def check_poses(
-    kit: Kit, meshes: Mapping[str, TriangleMesh], angles: Floats | None = None
+    kit: Kit, meshes: Mapping[str, TriangleMesh], angles: ArrayLike
 ) -> dict[str, list[Check]]:
     """The clearance checks of every piece that moves over several poses, by mark.
 
@@ -38,15 +38,13 @@ def check_poses(
     Parameters
     ----------
     meshes : by part number
-    angles : driving angles [rad]; by default both ends of the free range, and the design pose
+    angles : driving angles [rad], such as `poses_to_confirm` gives
     """
-    if angles is None:
-        angles = np.array([kit.motion.low, kit.mechanism.design, kit.motion.high])
     settings = kit.linkage.settings
     everywhere = dict.fromkeys(combinations_with_replacement(MOVING, 2), settings.axial_gap)
     on_pins = _on_pins(kit)
     worst: dict[tuple[str, str], Clash] = {}
-    for angle in angles:
+    for angle in np.atleast_1d(np.asarray(angles, dtype=np.float64)):
         report = examine_assembly(kit.placed(float(angle)), meshes, everywhere, tolerance=SLACK_MM)
         for clash in report.clashes:
             limit = clash.limit
