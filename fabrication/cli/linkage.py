@@ -27,15 +27,15 @@ def linkage_command(
     output: Annotated[
         str | None, typer.Option("-o", "--output", help="Folder; default outputs/<name>.")
     ] = None,
-    a: Annotated[float | None, typer.Option(help="Bennett: length a [mm].")] = None,
-    alpha: Annotated[float | None, typer.Option(help="Bennett: twist alpha [deg].")] = None,
-    b: Annotated[float | None, typer.Option(help="Bennett: length b [mm].")] = None,
-    beta: Annotated[float | None, typer.Option(help="Bennett: twist beta [deg].")] = None,
+    a: Annotated[float | None, typer.Option(help="Bennett: length a in mm.")] = None,
+    alpha: Annotated[float | None, typer.Option(help="Bennett: twist alpha in deg.")] = None,
+    b: Annotated[float | None, typer.Option(help="Bennett: length b in mm.")] = None,
+    beta: Annotated[float | None, typer.Option(help="Bennett: twist beta in deg.")] = None,
     printer: Annotated[
         str | None, typer.Option(help="Preset: fdm-0.4, fdm-0.25, sla, sls.")
     ] = None,
     pin: Annotated[str | None, typer.Option(help="metal or printed.")] = None,
-    bed: Annotated[str | None, typer.Option(help="Bed of the printer [mm], as 220x220.")] = None,
+    bed: Annotated[str | None, typer.Option(help="Bed of the printer in mm, as 220x220.")] = None,
     maximize_range: Annotated[
         bool, typer.Option("--maximize-range", help="Try what widens the free range.")
     ] = False,

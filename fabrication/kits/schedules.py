@@ -57,7 +57,7 @@ def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
                 "number": family.number,
                 "role": family.role,
                 "count": len(own),
-                "printed": is_printed(family),
+                "material": _material(linkage, family),
                 **_dimensions(family),
                 "mass_g": 1000.0 * masses[family.number],
                 "between": " ".join(between or hinges),
@@ -66,6 +66,10 @@ def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
             }
         )
     return rows
+
+
+def _material(linkage: Linkage, family: Family) -> str:
+    return linkage.settings.printer.material if is_printed(family) else "steel rod"
 
 
 def is_printed(family: Family) -> bool:

@@ -15,6 +15,9 @@ from ddgfab.nets.registry import ParameterError, find_generator, kinds
 from fabrication.project.models import MESH, Net, Project
 from fabrication.standards import nearest
 
+KIT = "linkage"
+"""The section by which a project is one of a kit (`fabrication.kits`), not of a gridshell."""
+
 
 def load_project(
     path: str | Path, changes: Mapping[str, Mapping[str, Any]] | None = None
@@ -80,6 +83,9 @@ def make_project(sections: Mapping[str, Any]) -> Project:
 
 def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project:
     name = None if file is None else str(file)
+    if KIT in values:
+        line = find_line(text, (KIT,))
+        raise ProjectError("[linkage] is for a kit: ddgfab linkage", file=name, line=line)
     sections = sections_in(values, Project, name, text)
     try:
         if "net" not in sections:

@@ -100,6 +100,12 @@ def test_bad_input_writes_nothing(words: list[str], message: str, tmp_path: Path
     assert {path.name for path in tmp_path.iterdir()} == {"roof.obj"}
 
 
+def test_make_sends_kits_to_their_own_command() -> None:
+    result = CliRunner().invoke(app, ["make", str(EXAMPLES / "bennett.toml")])
+    assert result.exit_code == 2
+    assert "bennett.toml:6: [linkage] is for a kit: ddgfab linkage" in result.output
+
+
 def test_parts_that_meet_in_the_design_pose_are_named(tmp_path: Path) -> None:
     code, said = run("--set", "linkage.design_deg=4")
     assert code == 2

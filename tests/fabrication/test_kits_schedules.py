@@ -185,6 +185,12 @@ def test_levels_of_links_agree_with_the_stacks(linkage: Linkage) -> None:
             assert middle == pytest.approx(linkage.heights[bar, place], abs=1e-9)
 
 
+def test_rods_are_bought_and_all_else_is_printed(linkage: Linkage) -> None:
+    for row in tables_of(linkage)["bom"]:
+        assert row["material"] == ("steel rod" if row["role"] == "pin" else "PLA")
+        assert row["mass_g"] > 0
+
+
 def test_labels_tell_how_links_go_on_their_pins(linkage: Linkage) -> None:
     tables = tables_of(linkage)
     side = {row["mark"]: row["label_side"] for row in tables["links"]}
