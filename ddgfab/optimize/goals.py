@@ -15,6 +15,7 @@ from ddgfab.optimize.recipes import Boundary, circularize, conicalize, planarize
 from ddgfab.optimize.result import OptimizeResult
 from ddgfab.optimize.solve import Step
 from ddgfab.optimize.torsion_free import torsion_free
+from ddgfab.optimize.trials import RecipeOptions
 
 Goal: TypeAlias = Literal["planar", "circular", "conical", "torsion-free", "families"]
 """What a mesh can be made: planar faces, a circular net, a conical net, planar faces with upright
@@ -79,6 +80,8 @@ def optimize(
         features = np.flatnonzero(sharp & ~mesh.boundary_edge)
     if goal in _AIMS_AT_MOVEMENT:
         options["max_movement"] = max_movement
+    elif "options" not in options:
+        options["options"] = RecipeOptions(max_movement=max_movement)
     result = _RECIPES[goal](
         mesh,
         fixed=fixed,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -104,6 +105,8 @@ def _recipe(
         raise InputError(f"boundary {boundary!r}; one of {', '.join(get_args(Boundary))}")
     chosen = options or RecipeOptions()
     centre, unit = mesh.vertices[mesh.corners].mean(axis=0), mean_edge(mesh)
+    if chosen.max_movement is not None:
+        chosen = replace(chosen, max_movement=chosen.max_movement / unit)
     small = mesh.with_vertices((mesh.vertices - centre) / unit)
     hard = terms(small)
     held = _ids(fixed, mesh.n_vertices, "fixed vertex")

@@ -42,6 +42,9 @@ class RecipeOptions:
     """Polylines may bend more than the input's by this part."""
     search_faces: int = 5_000
     """Meshes with more faces take the first stiffness that works."""
+    max_movement: float | None = None
+    """Greatest movement of a vertex, in the unit of the mesh: worth more than the wishes, so that
+    gentler trials are taken, with remarks, where the others move further."""
     max_steps: int = 25
     """Steps for a stiffness."""
     backend: str | None = None
@@ -72,6 +75,8 @@ _LADDER = (
     Stiffness(0.20, 1.0),
     Stiffness(0.40, 1.0),
 )
+_GENTLE = (Stiffness(0.2, 0.0), Stiffness(0.1, 0.0), Stiffness(0.05, 0.0), Stiffness(0.02, 0.0))
+"""Tried, in this order, where the others move further than is allowed: bends as they are."""
 _FIRST = 1
 """Where the ladder is entered."""
 _BISECTIONS = 2
@@ -272,4 +277,12 @@ def climb(task: Task) -> tuple[Trial, tuple[tuple[str, Step], ...]]:
                 fails = middle
     if not good(best):
         best = min(trials, key=lambda trial: trial.rank(accepted))
+    limit = task.options.max_movement
+    if limit is not None and best.moved > limit:
+        for gentler in _GENTLE:
+            trials.append(_attempt(task, gentler, task.design, before))
+            if not trials[-1].failed(accepted) and trials[-1].moved <= limit:
+                break
+        near = [t for t in trials if not t.failed(accepted) and t.moved <= limit]
+        best = min(near, key=lambda trial: trial.rank(accepted), default=best)
     return best, tuple(step for trial in trials for step in trial.history)
