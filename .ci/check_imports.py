@@ -27,10 +27,13 @@ INSIDE_FUNCTIONS_ONLY = {
 }
 # A room of fabrication may import itself and the rooms before it.
 ROOMS = [
+    "linkspecs",
     "specs",
     "standards",
     "project",
     "detailing",
+    "variants",
+    "linkshapes",
     "shapes",
     "families",
     "solids",
