@@ -13,6 +13,7 @@ from scipy.sparse import coo_array, csr_array
 
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.nets.cells import finite
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
@@ -56,16 +57,18 @@ def corner_cotangents(mesh: Mesh, vertices: ArrayLike | None = None) -> Floats:
 
     Raises
     ------
+    InputError
+        Vertices that are not finite, or beyond all measure.
     MeshError
-        A face that is no triangle.
+        A face that is no triangle, vertices of another shape.
     DegenerateError
         A triangle without area; names it.
 
     Source: maths.md 8.4.
     """
     ids = triangles_of(mesh)
-    x = mesh.vertices if vertices is None else np.asarray(vertices, dtype=np.float64)
-    p = x[ids]
+    p = (mesh if vertices is None else mesh.with_vertices(vertices)).vertices[ids]
+    finite(p, "triangles")
     left, right = np.roll(p, -1, axis=1) - p, np.roll(p, -2, axis=1) - p
     double = np.linalg.norm(np.cross(left, right), axis=-1)
     size = (np.einsum("fki,fki->fk", left, left)).max(axis=1)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.tolerances import RELATIVE_DEGENERATE
+from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
 
 Metric: TypeAlias = Callable[[Floats, Floats], tuple[Floats, Floats, Floats]]
 """E, F, G at arrays u, v."""
@@ -58,6 +58,7 @@ def brioschi(jet: MetricJet) -> Floats:
     ------
     DegenerateError
         E G - F^2 zero or negative: no surface is immersed there; names the place and the value.
+        Derivatives that are not finite.
 
     Source: Brioschi 1852; maths.md 5.1.
     """
@@ -77,7 +78,12 @@ def brioschi(jet: MetricJet) -> Floats:
         (jet.g_v, 2 * f, 2 * g),
     )
     b = _matrix((zero, jet.e_v, jet.g_u), (jet.e_v, 2 * e, 2 * f), (jet.g_u, 2 * f, 2 * g))
-    return np.asarray((np.linalg.det(a) - np.linalg.det(b)) / (8.0 * area * area))
+    found = (np.linalg.det(a) - np.linalg.det(b)) / (8.0 * area * area)
+    bad = np.argwhere(~np.isfinite(found))
+    if len(bad):
+        at = tuple(int(i) for i in bad[0])
+        raise DegenerateError(f"derivatives of the metric at {at} are too large", cell=at)
+    return np.asarray(found)
 
 
 def metric_of(surface: Parametrisation) -> Metric:
@@ -117,7 +123,7 @@ def gauss_curvature(
     DegenerateError
         A degenerate metric; names the place.
     """
-    if not step > 0:
+    if not 0 < step <= COORDINATE_LIMIT:
         raise InputError(f"the step of the differences is {step:g}; it must be positive")
     p, q = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, dtype=np.float64))
     at = step * np.arange(-3.0, 4.0)
@@ -175,7 +181,7 @@ def net_curvature(points: ArrayLike, du: float, dv: float) -> Floats:
     x = np.asarray(points, dtype=np.float64)
     if x.ndim != 3 or x.shape[2] != 3 or min(x.shape[:2]) < 5:
         raise InputError(f"points have shape {x.shape}; (5 or more, 5 or more, 3) is needed")
-    if not (du > 0 and dv > 0):
+    if not (0 < du <= COORDINATE_LIMIT and 0 < dv <= COORDINATE_LIMIT):
         raise InputError(f"steps {du:g}, {dv:g}: they must be positive")
     x_u = (x[2:, 1:-1] - x[:-2, 1:-1]) / (2 * du)
     x_v = (x[1:-1, 2:] - x[1:-1, :-2]) / (2 * dv)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, unit
+from ddgfab.nets.cells import finite
 from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
 
 
@@ -28,7 +29,8 @@ def skew_curvature(points: ArrayLike, normals: ArrayLike) -> tuple[Floats, Float
     Raises
     ------
     InputError
-        Arrays of different or wrong shapes, or normals that are not unit; names the vertex.
+        Arrays of different or wrong shapes, points that are not finite, or normals that are not
+        unit; names the vertex.
     DegenerateError
         Parallel diagonals of normals, or a quad without area across N; names the quad.
     """
@@ -37,6 +39,8 @@ def skew_curvature(points: ArrayLike, normals: ArrayLike) -> tuple[Floats, Float
         raise InputError(
             f"points {x.shape} and normals {n.shape}: (M + 1, N + 1, 3) twice is needed"
         )
+    finite(x, "points")
+    finite(n, "normals")
     length = np.linalg.norm(n, axis=-1)
     bad = np.argwhere(~(np.abs(length - 1.0) <= UNIT_NORMAL))
     if len(bad):
@@ -80,7 +84,9 @@ def knet_curvature(delta1: ArrayLike, delta2: ArrayLike, r: float = 1.0) -> Floa
     a, b = _angles(delta1, 0), _angles(delta2, 1)
     if not (np.isfinite(r) and r > 0):
         raise InputError(f"the scale of a K-net is {r:g}; it must be positive")
-    return np.asarray(-2.0 / (r * r * (np.cos(a)[:, None] + np.cos(b))))
+    curvature = np.asarray(-2.0 / (np.cos(a)[:, None] + np.cos(b))) / r / r
+    finite(curvature, f"curvature at the scale {r:g}")
+    return curvature
 
 
 def unit_curvature_scale(delta1: float, delta2: float) -> float:

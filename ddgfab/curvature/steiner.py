@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.measures import mixed_areas, oriented_areas
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.tolerances import RELATIVE_DEGENERATE
+from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
 
 PARALLEL_SINE: Final = 1e-6
 """Edges of a Gauss image may turn away from the mesh's by this sine."""
@@ -54,7 +54,8 @@ def steiner_curvatures(mesh: Mesh, gauss_image: ArrayLike) -> Curvatures:
     Raises
     ------
     MeshError
-        A Gauss image of the wrong shape, or whose edges are not parallel; names the edge.
+        A Gauss image of the wrong shape, with entries that are not finite (names the vertex), or
+        whose edges are not parallel (names the edge).
     DegenerateError
         A face without area; names it.
 
@@ -63,6 +64,12 @@ def steiner_curvatures(mesh: Mesh, gauss_image: ArrayLike) -> Curvatures:
     sigma = np.asarray(gauss_image, dtype=np.float64)
     if sigma.shape != mesh.vertices.shape:
         raise MeshError(f"the Gauss image has shape {sigma.shape}; {mesh.vertices.shape} needed")
+    bad = np.flatnonzero(~(np.abs(sigma) <= COORDINATE_LIMIT).all(axis=1))
+    if len(bad):
+        raise MeshError(
+            f"vertex {bad[0]} of the Gauss image is {sigma[bad[0]]}, not finite numbers below "
+            f"{COORDINATE_LIMIT:g}"
+        )
     image = sigma[mesh.edges[:, 1]] - sigma[mesh.edges[:, 0]]
     length = np.linalg.norm(image, axis=1)
     turned = np.linalg.norm(np.cross(mesh.edge_vectors, image), axis=1)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages.mechanism import Pose
 from ddgfab.mesh import Floats, Ints
+from ddgfab.nets.cells import finite
 
 RANK_GAP = 1e3
 """Singular values on either side of a rank differ by this factor at least."""
@@ -71,15 +72,14 @@ def mobility(bars: ArrayLike, pose: Pose) -> int:
     Raises
     ------
     InputError
-        A pose that is a stack, a bar of no length, or hinges that no bars connect.
+        A pose that is a stack or not finite, bars that are not pairs of its hinges, a bar of no
+        length, or hinges that no bars connect.
     DegenerateError
         The singular values of a step show no gap, so the rank is not determined; names the hinge.
 
     Source: maths.md 4.2, 4.3.
     """
-    ids = np.asarray(bars, dtype=np.int64)
-    if pose.points.ndim != 2:
-        raise InputError(f"mobility needs one pose; this stack has shape {pose.points.shape}")
+    ids = _checked(np.asarray(bars), pose)
     size = np.linalg.norm(pose.points[ids[:, 1]] - pose.points[ids[:, 0]], axis=1)
     if not (size > 0).all():
         raise InputError(f"bar {int(np.argmin(size))} has no length")
@@ -102,6 +102,27 @@ def mobility(bars: ArrayLike, pose: Pose) -> int:
         moves[hinge] = kernel[count:]
         count = kernel.shape[1]
     return count - 6
+
+
+def _checked(bars: Ints, pose: Pose) -> Ints:
+    """Bars as pairs of ids of the hinges of one finite pose."""
+    shape = np.shape(pose.points)
+    if len(shape) != 2 or shape[1] != 3 or np.shape(pose.axes) != shape:
+        raise InputError(
+            f"mobility needs one pose, points and axes (V, 3); these have shapes {shape} and "
+            f"{np.shape(pose.axes)}"
+        )
+    finite(pose.points, "points of the pose")
+    finite(pose.axes, "axes of the pose")
+    if bars.ndim != 2 or bars.shape[1] != 2 or not len(bars) or bars.dtype.kind not in "iu":
+        raise InputError(
+            f"bars of type {bars.dtype} and shape {bars.shape}: pairs (E, 2) of hinge ids are "
+            "needed"
+        )
+    out = np.flatnonzero(((bars < 0) | (bars >= shape[0])).any(axis=1))
+    if len(out):
+        raise InputError(f"bar {out[0]} joins hinges {bars[out[0]].tolist()} of {shape[0]}")
+    return bars.astype(np.int64)
 
 
 def _walk(bars: Ints, hinges: int) -> tuple[list[int], list[list[tuple[int, int]]]]:

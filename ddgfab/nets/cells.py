@@ -109,6 +109,13 @@ def finite(values: Floats, what: str) -> None:
     )
 
 
+def whole(value: float, least: int, what: str) -> int:
+    """A whole number of `least` or more; raises `InputError` for others."""
+    if not (np.isfinite(value) and int(value) == value and value >= least):
+        raise InputError(f"{what} = {value}: a whole number of {least} or more is needed")
+    return int(value)
+
+
 def refuse_growth(new: Floats, place: Place) -> None:
     """Raise `DegenerateError` at the first new point, components first, beyond the limit."""
     top = np.abs(new).max(axis=0)
@@ -117,7 +124,14 @@ def refuse_growth(new: Floats, place: Place) -> None:
 
 def columns(*points: ArrayLike) -> tuple[Floats, ...]:
     """Arrays (..., dim) broadcast and turned to components first, for single calls of kernels."""
-    arrays = np.broadcast_arrays(*(np.asarray(p, dtype=np.float64) for p in points))
+    given = [np.asarray(p, dtype=np.float64) for p in points]
+    try:
+        arrays = list(np.broadcast_arrays(*given))
+    except ValueError:
+        arrays = []
+    if not arrays or not arrays[0].ndim:
+        shapes = ", ".join(str(p.shape) for p in given)
+        raise InputError(f"points of shapes {shapes} do not go together; (..., dim) is needed")
     for array in arrays:
         finite(array, "point")
     return tuple(np.moveaxis(array, -1, 0) for array in arrays)

@@ -48,12 +48,16 @@ def cross_ratio_labels(points: ArrayLike) -> tuple[tuple[Floats, ...], float]:
 
     Raises
     ------
+    InputError
+        A net without quads.
     DegenerateError
         Neighbouring corners of a quad coincide, or a cross-ratio is zero; names the quad.
 
     Source: maths.md 6.1.
     """
     x = net_points(points)
+    if min(x.shape[:-1]) < 2:
+        raise InputError(f"a net of shape {x.shape} has no quads in some direction, so no labels")
     ratios = {pair: cross_ratios(x, pair)[0] for pair in pairs(x)}
     for pair, q in ratios.items():
         Place(name=f"quad of directions {pair} at").refuse(q == 0, "its cross-ratio is zero")
@@ -81,7 +85,8 @@ def isothermic_residuals(points: ArrayLike) -> dict[str, float]:
 
     All zero: the net is isothermic. Source: maths.md 6.1.
     """
-    return {**circular_residuals(points), "cross-ratio labels": cross_ratio_labels(points)[1]}
+    labels = cross_ratio_labels(points)[1]
+    return {**circular_residuals(points), "cross-ratio labels": labels}
 
 
 # --- how it evolves ------------------------------------------------------------------------------
@@ -100,6 +105,8 @@ def isothermic_point(
 
     Raises
     ------
+    InputError
+        Shapes that do not go together, entries that are not finite.
     DegenerateError
         Equal labels, an edge of no length, or a fourth point at infinity; names the index.
 
@@ -107,6 +114,8 @@ def isothermic_point(
     """
     start, first, second = columns(x, x1, x2)
     a, b = np.asarray(alpha1, dtype=np.float64), np.asarray(alpha2, dtype=np.float64)
+    for name, label in (("alpha1", a), ("alpha2", b)):
+        finite(label, name)
     return np.moveaxis(point_rule(start, first, second, a, b, Place()), 0, -1)
 
 
@@ -158,7 +167,7 @@ def evolve_isothermic(
 
     Source: maths.md 6.1, 11b.
     """
-    a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    a, b = np.atleast_2d(*(np.asarray(p, dtype=np.float64) for p in (first, second)))
     labels = _cell_labels(alpha1, alpha2, (len(a) - 1, len(b) - 1))
     net = sweep(a, b, labels, point_rule)
     if not np.isfinite(growth_limit):

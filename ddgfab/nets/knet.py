@@ -281,7 +281,8 @@ def refuse_angles(values: Floats, what: str) -> None:
 
     `what` names it, with {} for its index.
     """
-    bad = ~((np.sin(values) > RELATIVE_DEGENERATE) & (values > 0) & (values < np.pi))
+    inside = (values > 0) & (values < np.pi)
+    bad = ~(np.sin(np.where(inside, values, 0.0)) > RELATIVE_DEGENERATE)
     if bad.any():
         at = int(np.argmax(bad))
         raise InputError(

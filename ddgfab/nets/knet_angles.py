@@ -83,13 +83,14 @@ def chi_of_phi(phi: ArrayLike, k: ArrayLike) -> Floats:
     Raises
     ------
     InputError
-        k = 1 (delta_1 + delta_2 = pi): psi does not depend on phi.
+        k = 1 (delta_1 + delta_2 = pi): psi does not depend on phi. Shapes that do not go together,
+        entries that are not finite.
 
     Source: maths.md 3.7.
     """
-    angle, coefficient = np.broadcast_arrays(
-        np.asarray(phi, dtype=np.float64), np.asarray(k, dtype=np.float64)
-    )
+    angle = np.asarray(phi, dtype=np.float64)
+    angle, coefficient = np.broadcast_arrays(angle, _coefficients(k, angle.shape))
+    finite(angle, "phi")
     if (coefficient == 1).any():
         at = tuple(np.argwhere(coefficient == 1)[0].tolist())
         raise InputError(f"k of quad {at} is 1, that is delta_1 + delta_2 = pi: psi is 0 or pi")
@@ -126,17 +127,33 @@ def hirota_residual(h: ArrayLike, k: ArrayLike) -> Floats:
     h : (M + 1, N + 1) potential at the vertices
     k : (M, N) or a number, `angle_coefficient`
 
+    Raises
+    ------
+    InputError
+        Shapes that do not fit, entries that are not finite.
+
     Source: maths.md 3.8.
     """
     values = np.asarray(h, dtype=np.float64)
     if values.ndim != 2 or min(values.shape) < 2:
         raise InputError(f"a potential has shape (M + 1, N + 1); this one {values.shape}")
+    finite(values, "potential")
+    coefficient = _coefficients(k, (values.shape[0] - 1, values.shape[1] - 1))
     here, first, second = values[:-1, :-1], values[1:, :-1], values[:-1, 1:]
     both = values[1:, 1:]
     return np.asarray(
         np.sin((both - first - second + here) / 4)
-        - np.asarray(k) * np.sin((both + first + second + here) / 4)
+        - coefficient * np.sin((both + first + second + here) / 4)
     )
+
+
+def _coefficients(k: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """k as finite numbers of the shape of the quads."""
+    coefficient = np.asarray(k, dtype=np.float64)
+    if coefficient.ndim and shape and coefficient.shape != shape:
+        raise InputError(f"k has shape {coefficient.shape}; {shape} or one number is needed")
+    finite(coefficient, "k")
+    return coefficient
 
 
 def evolve_hirota(first: ArrayLike, second: ArrayLike, k: ArrayLike) -> Floats:
@@ -164,10 +181,7 @@ def evolve_hirota(first: ArrayLike, second: ArrayLike, k: ArrayLike) -> Floats:
     if a[0] != b[0]:
         raise InputError(f"the axes start with {a[0]:g} and {b[0]:g}; they must share their value")
     shape = (len(a) - 1, len(b) - 1)
-    coefficient = np.asarray(k, dtype=np.float64)
-    if coefficient.ndim and coefficient.shape != shape:
-        raise InputError(f"k has shape {coefficient.shape}; {shape} is needed")
-    coefficient = np.broadcast_to(coefficient, shape)
+    coefficient = np.broadcast_to(_coefficients(k, shape), shape)
     h = np.empty((len(a), len(b)))
     h[:, 0], h[0] = a, b
     for s in range(sum(shape) - 1):

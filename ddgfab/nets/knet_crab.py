@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.nets.cells import finite, whole
 from ddgfab.nets.knet import KNet, refuse_angles
 from ddgfab.nets.knet_dini import of_normals
 from ddgfab.tolerances import RELATIVE_DEGENERATE
@@ -147,9 +148,7 @@ def crab_net(n_fold: int, delta: float, theta0: float, rings: int, *, r: float =
 
     Source: maths.md 3.13.
     """
-    for name, value, least in (("n_fold", n_fold, 3), ("rings", rings, 2)):
-        if int(value) != value or value < least:
-            raise InputError(f"{name} = {value}: a whole number of {least} or more is needed")
+    n_fold, rings = whole(n_fold, 3, "n_fold"), whole(rings, 2, "rings")
     refuse_angles(np.array([delta]), "delta {}")
     if not np.isfinite(theta0):
         raise InputError(f"theta0 = {theta0}: a finite angle is needed")
@@ -173,7 +172,7 @@ def crab_net(n_fold: int, delta: float, theta0: float, rings: int, *, r: float =
     normals = np.empty((rings, n_fold, 3))
     points[..., :2], points[..., 2] = radii[:, None, None] * around, heights[:, None]
     normals[..., :2], normals[..., 2] = s[:, None, None] * around, c[:, None]
-    return CrabNet(int(n_fold), float(delta), float(r), thetas, radii, heights, points, normals)
+    return CrabNet(n_fold, float(delta), float(r), thetas, radii, heights, points, normals)
 
 
 def _second(theta0: float, delta: float, gamma: float) -> float:
@@ -229,13 +228,14 @@ def string_forces(net: CrabNet, tensions: ArrayLike | None = None) -> Floats:
     Raises
     ------
     InputError
-        Another number of tensions.
+        Another number of tensions, or one that is not finite.
 
     Source: maths.md 3.13.
     """
     t = string_tensions(net) if tensions is None else np.asarray(tensions, dtype=np.float64)
     if t.shape != (net.rings - 1,):
         raise InputError(f"tensions of shape {t.shape}; {(net.rings - 1,)} is needed")
+    finite(t, "tensions")
     flat = net.points.reshape(-1, 3)
     forces = np.zeros_like(flat)
     for ids in net.edges():

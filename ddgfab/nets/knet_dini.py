@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import finite
+from ddgfab.nets.cells import finite, whole
 from ddgfab.nets.knet import KNet, refuse_angles
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
@@ -97,8 +97,7 @@ def pseudosphere(
     InputError
         alpha outside (0, pi / 2), no cells, an offset that is not finite.
     """
-    if min(cells) < 1:
-        raise InputError(f"cells {tuple(cells)}: one or more are needed in each direction")
+    cells = (whole(cells[0], 1, "cells of direction 0"), whole(cells[1], 1, "cells of direction 1"))
     if not 0 < alpha < np.pi / 2:
         raise InputError(f"alpha = {alpha:g}: an angle between 0 and pi / 2 is needed")
     if not np.isfinite(offset):

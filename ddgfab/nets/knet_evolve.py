@@ -41,6 +41,8 @@ def spherical_fourth(m: ArrayLike, m_i: ArrayLike, m_j: ArrayLike) -> Floats:
     Source: maths.md 3.4.
     """
     base, *ends = columns(m, m_i, m_j)
+    if len(base) != 3:
+        raise InputError(f"unit vectors (..., 3) are needed; these have {len(base)} coordinates")
     for name, corner in zip(("m", "m_i", "m_j"), (base, *ends), strict=True):
         refuse_not_unit(np.moveaxis(corner, 0, -1), name)
     place = Place()

@@ -109,9 +109,11 @@ def skew_parallelogram(
 
     Source: maths.md 3.6 (Lemma 3.1).
     """
-    corners = np.array([x, x1, x12, x2], dtype=np.float64)
-    if corners.shape != (4, 3):
-        raise InputError(f"four points (3,) are needed; these have shape {corners.shape}")
+    given = [np.asarray(p, dtype=np.float64) for p in (x, x1, x12, x2)]
+    shapes = ", ".join(str(p.shape) for p in given)
+    if {p.shape for p in given} != {(3,)}:
+        raise InputError(f"four points (3,) are needed; x, x_1, x_12, x_2 have shapes {shapes}")
+    corners = np.array(given)
     finite(corners, "corner")
     sides = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
     names = ("x x_1", "x_1 x_12", "x_12 x_2", "x_2 x")

@@ -12,12 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.nets.cells import finite
 from ddgfab.nets.circles import Circles, Spheres, circles_on_sphere
 from ddgfab.nets.koebe_centre import centring
 from ddgfab.nets.koebe_checks import check_polyhedron
 from ddgfab.nets.koebe_pattern import CirclePattern, planar_circles
 from ddgfab.nets.sisothermic import SIsothermic
 from ddgfab.nets.sisothermic_labels import piece
+from ddgfab.tolerances import UNIT_NORMAL
 
 SMALLEST: Final = 1e-9
 """Circles smaller than this on the unit sphere are refused: too few digits are left for edges."""
@@ -117,8 +119,15 @@ class KoebePolyhedron:
             The matrix is no rotation.
         """
         matrix = np.asarray(rotation, dtype=np.float64)
-        if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-9):
+        if matrix.shape != (3, 3):
             raise InputError(f"a rotation is an orthogonal (3, 3) matrix; given {matrix.shape}")
+        finite(matrix, "rotation")
+        off = float(np.abs(matrix @ matrix.T - np.eye(3)).max())
+        if off > UNIT_NORMAL or np.linalg.det(matrix) < 0:
+            raise InputError(
+                f"a rotation is an orthogonal matrix: this one is off by {off:.2g} (limit "
+                f"{UNIT_NORMAL:g}), with determinant {np.linalg.det(matrix):.3g}; 1 is needed"
+            )
         vectors = [v.copy() for v in (self.vertex_vectors, self.face_vectors)]
         for v in vectors:
             v[:, :3] = v[:, :3] @ matrix.T
@@ -139,6 +148,7 @@ class KoebePolyhedron:
             raise InputError(
                 f"vertices have shape {wanted.shape}; expected {self.mesh.vertices.shape}"
             )
+        finite(wanted, "vertices")
         u, _, vt = np.linalg.svd(wanted.T @ self.mesh.vertices)
         flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
         return self.turned(u @ flip @ vt)
@@ -185,9 +195,9 @@ def koebe(
     """
     mesh = faces if isinstance(faces, Mesh) else _plain(faces)
     check_polyhedron(mesh)
-    if infinity is not None and not 0 <= infinity < mesh.n_edges:
+    if infinity is not None and infinity not in range(mesh.n_edges):
         raise InputError(f"edge {infinity} at infinity: the polyhedron has {mesh.n_edges} edges")
-    pattern = CirclePattern(mesh, _large_edge(mesh) if infinity is None else infinity)
+    pattern = CirclePattern(mesh, _large_edge(mesh) if infinity is None else int(infinity))
     radii, history = pattern.radii()
     largest = float(radii[np.isfinite(radii)].max())
     _refuse_small(mesh, np.sqrt(radii / largest))  # a circle on the sphere is no larger than that

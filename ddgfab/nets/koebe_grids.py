@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
+from ddgfab.nets.cells import finite, whole
 from ddgfab.nets.grid import grid_mesh
 from ddgfab.nets.sisothermic import SIsothermic
 
@@ -20,10 +21,12 @@ def koebe_vertex(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
     Parameters
     ----------
     centres : (..., 2)
-    radii : broadcasts to (...)
+    radii : (...) or a number, positive
 
     Raises
     ------
+    InputError
+        Shapes that do not go together, entries that are not finite, a radius that is not positive.
     DegenerateError
         A circle that goes to a great circle, or whose disc goes to more than half of the sphere;
         names its index.
@@ -31,6 +34,14 @@ def koebe_vertex(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
     Source: maths.md 7.2.
     """
     c, r = np.asarray(centres, dtype=np.float64), np.asarray(radii, dtype=np.float64)
+    if c.ndim < 1 or c.shape[-1] != 2:
+        raise InputError(f"centres have shape {c.shape}; (..., 2) is needed")
+    if r.ndim and r.shape != c.shape[:-1]:
+        raise InputError(f"radii have shape {r.shape}; {c.shape[:-1]} or one number is needed")
+    finite(c, "centres")
+    finite(r, "radii")
+    if not (r > 0).all():
+        raise InputError(f"a circle has the radius {r.min():g}; radii are positive")
     power = np.sum(c * c, axis=-1) - r * r
     below = 1.0 + power
     bad = np.argwhere(below <= 0)
@@ -62,8 +73,9 @@ def enneper_koebe(cells: tuple[int, int], half_step: float) -> SIsothermic:
 
     Source: maths.md 7.6.
     """
-    if min(cells) < 1 or not half_step > 0:
-        raise InputError(f"{cells[0]} x {cells[1]} cells with h = {half_step:g}: both positive")
+    cells = (whole(cells[0], 1, "cells of direction 0"), whole(cells[1], 1, "cells of direction 1"))
+    if not 0 < half_step < np.inf:
+        raise InputError(f"h = {half_step:g}: half a step is a positive number")
     u, v = (half_step * (2.0 * np.arange(n + 1) - n) for n in cells)
     centres = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1)
     points, radii = koebe_vertex(centres, half_step)
@@ -92,12 +104,9 @@ def catenoid_koebe(around: int, rings: tuple[int, int], columns: int | None = No
     Source: maths.md 7.6.
     """
     closed = columns is None
-    count = around - 1 if columns is None else columns
-    if around < 3 or rings[1] <= rings[0] or count < 1:
-        raise InputError(
-            f"{around} around, rings {rings[0]} to {rings[1]}, {count} columns: 3 or more around, "
-            "rising rings and 1 column or more are needed"
-        )
+    around = whole(around, 3, "around")
+    count = around - 1 if columns is None else whole(columns, 1, "columns")
+    whole(rings[1] - rings[0], 1, f"the rise of rings from {rings[0]} to {rings[1]}")
     alpha = np.pi / around
     step = np.arcsinh(np.tan(alpha))
     i = 2.0 * np.arange(rings[0], rings[1] + 1) * step

@@ -6,6 +6,7 @@ import numpy as np
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh, unit
+from ddgfab.nets.cells import whole
 
 MERGE_DIGITS = 9
 """Decimals to which places in a solid of size 1 are one vertex."""
@@ -33,7 +34,7 @@ def cube_cells(cells: int) -> Mesh:
     InputError
         Fewer than one cell.
     """
-    _refuse(cells, 1, "cells on a side of the cube")
+    cells = whole(cells, 1, "cells on a side of the cube")
     place = np.linspace(-1.0, 1.0, cells + 1)
     u, v = (grid.ravel() for grid in np.meshgrid(place, place, indexing="ij"))
     ids = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
@@ -62,7 +63,7 @@ def pillow(cells: int) -> Mesh:
     InputError
         Fewer than three cells, so that nothing but corners would be left.
     """
-    _refuse(cells, 3, "cells on a side of the pillow")
+    cells = whole(cells, 3, "cells on a side of the pillow")
     place = np.linspace(-1.0, 1.0, cells + 1)
     u, v = np.meshgrid(place, place, indexing="ij")
     height = np.sqrt((1.0 - u**2) * (1.0 - v**2))
@@ -93,7 +94,7 @@ def triangle_cells(solid: str, cells: int) -> Mesh:
     InputError
         Another solid, or fewer than one cell.
     """
-    _refuse(cells, 1, "cells on an edge")
+    cells = whole(cells, 1, "cells on an edge")
     corners, faces = _triangles(solid)
     i, j = (a.ravel() for a in np.meshgrid(np.arange(cells + 1), np.arange(cells + 1)))
     inside = i + j <= cells
@@ -129,7 +130,7 @@ def prism(sides: int) -> Mesh:
     InputError
         Fewer than three sides.
     """
-    _refuse(sides, 3, "sides of a prism")
+    sides = whole(sides, 3, "sides of a prism")
     ring = np.arange(sides)
     after = (ring + 1) % sides
     angle = 2.0 * np.pi * ring / sides
@@ -147,7 +148,7 @@ def antiprism(sides: int) -> Mesh:
     InputError
         Fewer than three sides.
     """
-    _refuse(sides, 3, "sides of an antiprism")
+    sides = whole(sides, 3, "sides of an antiprism")
     ring = np.arange(sides)
     after = (ring + 1) % sides
     angle = 2.0 * np.pi * np.concatenate([ring, ring + 0.5]) / sides
@@ -156,11 +157,6 @@ def antiprism(sides: int) -> Mesh:
     up = np.stack([ring, after, sides + ring], axis=1)
     down = np.stack([after, sides + after, sides + ring], axis=1)
     return Mesh.build(points, [ring[::-1], sides + ring, *up, *down])
-
-
-def _refuse(value: int, least: int, what: str) -> None:
-    if value < least:
-        raise InputError(f"{value} {what}: {least} or more are needed")
 
 
 def _triangles(solid: str) -> tuple[Floats, Ints]:

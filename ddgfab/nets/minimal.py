@@ -13,8 +13,8 @@ from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.nets.circles import Circles, Spheres
 from ddgfab.nets.koebe_grids import catenoid_koebe, enneper_koebe
 from ddgfab.nets.sisothermic import SIsothermic, integrate
-from ddgfab.nets.sisothermic_labels import label_edges
-from ddgfab.tolerances import NET_INPUT
+from ddgfab.nets.sisothermic_labels import checked_labels
+from ddgfab.tolerances import COORDINATE_LIMIT, NET_INPUT
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,7 +85,15 @@ class MinimalNet:
         return np.asarray(-mixed / own / np.sqrt(np.abs(image / own)))
 
     def offset(self, distance: float) -> Floats:
-        """(V, 3) v + d k_v: vertices of the parallel net at the distance d of every edge."""
+        """(V, 3) v + d k_v: vertices of the parallel net at the distance d of every edge.
+
+        Raises
+        ------
+        InputError
+            A distance that is not finite.
+        """
+        if not np.isfinite(distance):
+            raise InputError(f"distance {distance}: a finite number is needed")
         return np.asarray(self.mesh.vertices + distance * self.gauss.mesh.vertices)
 
     def associated(self, angle: float) -> MinimalNet:
@@ -111,7 +119,15 @@ class MinimalNet:
             )
 
     def scaled(self, factor: float) -> MinimalNet:
-        """The surface with all lengths times a positive factor; the Gauss image stays."""
+        """The surface with all lengths times a positive factor; the Gauss image stays.
+
+        Raises
+        ------
+        InputError
+            A factor that is not positive, or huge.
+        """
+        if not 0 < factor <= COORDINATE_LIMIT:
+            raise InputError(f"factor {factor}: a positive number is needed")
         return replace(self, mesh=self.mesh.scaled(factor), scale=self.scale * factor)
 
     def __repr__(self) -> str:
@@ -132,6 +148,8 @@ def minimal_surface(
 
     Raises
     ------
+    InputError
+        Labels of another shape or others than +1 and -1, a scale that is zero or not finite.
     DegenerateError
         An edge that does not touch the unit sphere (names it), or edges that do not close.
     MeshError
@@ -149,7 +167,9 @@ def minimal_surface(
             f"the Gauss image is no Koebe net: edge {worst} misses the unit sphere by "
             f"{miss[worst]:.1e} (limit {NET_INPUT:g})"
         )
-    signs = label_edges(gauss.mesh) if labels is None else labels
+    signs = checked_labels(gauss.mesh, labels)
+    if not (np.isfinite(scale) and scale != 0):
+        raise InputError(f"scale {scale}: a number other than zero is needed")
     return _integrated(gauss, signs, angle, scale)
 
 
@@ -178,9 +198,9 @@ def catenoid(around: int, rings: tuple[int, int], columns: int | None = None) ->
 
     Source: maths.md 7.6; parameters and errors as in `catenoid_koebe`.
     """
-    alpha = np.pi / around if around else np.pi
-    scale = float(np.sin(alpha) ** 2 / np.cos(alpha))
-    return minimal_surface(catenoid_koebe(around, rings, columns), scale=scale)
+    gauss = catenoid_koebe(around, rings, columns)
+    alpha = np.pi / around
+    return minimal_surface(gauss, scale=float(np.sin(alpha) ** 2 / np.cos(alpha)))
 
 
 def helicoid(around: int, rings: tuple[int, int], columns: int) -> MinimalNet:

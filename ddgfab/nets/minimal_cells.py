@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from ddgfab.errors import DegenerateError, InputError, MeshError
+from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Mesh
+from ddgfab.nets.cells import whole
 from ddgfab.nets.koebe import KoebePolyhedron, koebe
 from ddgfab.nets.koebe_solids import cube_cells, pillow
 from ddgfab.nets.minimal import MinimalNet, minimal_surface
@@ -101,8 +102,7 @@ def scherk(cells: int, storeys: int = 1) -> MinimalNet:
 
     Source: maths.md 7.6.
     """
-    if storeys < 1:
-        raise InputError(f"{storeys} storeys of a tower: 1 or more are needed")
+    cells, storeys = whole(cells, 3, "cells on a side of the pillow"), whole(storeys, 1, "storeys")
     solid = scherk_koebe(cells)
     upper = np.arange(solid.mesh.n_faces) < cells**2
     one = minimal_surface(solid.net(upper & (solid.mesh.face_sizes == 4)))
@@ -131,6 +131,7 @@ def schwarz_p(cells: int) -> MinimalNet:
 
     Source: maths.md 7.6.
     """
+    cells = whole(cells, 1, "cells on a side of the cube")
     solid = schwarz_koebe(cells)
     return minimal_surface(solid.net(np.arange(solid.mesh.n_faces) >= 5 * cells**2))
 
@@ -170,8 +171,7 @@ def schwarz_p_cell(cells: int) -> PeriodicCell:
 
     Source: maths.md 7.5, 7.6.
     """
-    if cells < 2:
-        raise InputError(f"{cells} cells on a side of the cube: 2 or more are needed")
+    cells = whole(cells, 2, "cells on a side of the cube")
     solid = schwarz_koebe(cells)
     cover = double_cover(solid.mesh)
     patch = cover.faces // cells**2 + 6 * cover.sheets

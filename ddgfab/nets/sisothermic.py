@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh, unit
+from ddgfab.nets.cells import finite
 from ddgfab.nets.circles import Circles, Spheres
-from ddgfab.nets.sisothermic_labels import double_cover, label_edges
+from ddgfab.nets.sisothermic_labels import checked_labels, double_cover
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 from ddgfab.trees import tree_sums
 
@@ -293,6 +294,8 @@ def dual(net: SIsothermic, labels: Ints | None = None) -> Dual:
 
     Raises
     ------
+    InputError
+        Labels of another shape, or others than +1 and -1.
     MeshError
         No labelling exists: names the faces; or the mesh has several components.
     DegenerateError
@@ -300,7 +303,7 @@ def dual(net: SIsothermic, labels: Ints | None = None) -> Dual:
 
     Source: maths.md 7.4, 7.5.
     """
-    signs = label_edges(net.mesh) if labels is None else labels
+    signs = checked_labels(net.mesh, labels)
     i, j = net.mesh.edges.T
     scale = signs / (net.radii[i] * net.radii[j])
     points, closing = integrate(net.mesh, scale[:, None] * net.mesh.edge_vectors)
@@ -313,13 +316,16 @@ def integrate(mesh: Mesh, edges: Floats, closing: float = CLOSING) -> tuple[Floa
 
     Raises
     ------
+    InputError
+        Edge vectors of another shape, or that are not finite.
     MeshError
         Several components.
     DegenerateError
-        An edge misses by more than `closing` times the diameter.
+        An edge misses by more than `closing` times the diameter, or this is zero.
     """
     if edges.shape != mesh.edge_vectors.shape:
         raise InputError(f"edge vectors have shape {edges.shape}; expected {(mesh.n_edges, 3)}")
+    finite(edges, "edge vectors")
     used = mesh.valences > 0
     start, end = mesh.edges.T
     points, reached = tree_sums(mesh.n_vertices, start, end, edges, int(used.argmax()))
@@ -333,6 +339,8 @@ def integrate(mesh: Mesh, edges: Floats, closing: float = CLOSING) -> tuple[Floa
     miss = np.linalg.norm(points[end] - points[start] - edges, axis=1)
     worst = int(miss.argmax())
     diameter = float(np.linalg.norm(np.ptp(points[used], axis=0)))
+    if not diameter > 0:
+        raise DegenerateError("the edge vectors have no length: all vertices would be one point")
     if not miss[worst] <= closing * diameter:
         raise DegenerateError(
             f"the net does not close: edge {worst} misses by {miss[worst] / diameter:.1e} of the "

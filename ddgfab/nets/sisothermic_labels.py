@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from ddgfab.errors import MeshError
+from ddgfab.errors import InputError, MeshError
 from ddgfab.mesh import Ints, Mesh
 from ddgfab.trees import alternating_signs, corner_graph
 
@@ -39,6 +39,27 @@ def label_edges(mesh: Mesh) -> Ints:
     if len(failing):
         raise MeshError(f"no labelling of edges: {_odd_cycle(mesh, int(failing[0]))}")
     return signs
+
+
+def checked_labels(mesh: Mesh, labels: ArrayLike | None) -> Ints:
+    """(E,) labels that were given, of the right shape and +1 or -1; those found where none were.
+
+    Raises
+    ------
+    InputError
+        Another shape, or another value; names the edge.
+    MeshError
+        As `label_edges`.
+    """
+    if labels is None:
+        return label_edges(mesh)
+    given = np.asarray(labels)
+    if given.shape != (mesh.n_edges,):
+        raise InputError(f"labels have shape {given.shape}; {(mesh.n_edges,)} is needed")
+    bad = np.flatnonzero((given != 1) & (given != -1))
+    if len(bad):
+        raise InputError(f"edge {bad[0]} has the label {given[bad[0]]}; +1 or -1 is needed")
+    return np.asarray(given, dtype=np.int64)
 
 
 def _odd_cycle(mesh: Mesh, corner: int) -> str:
@@ -90,15 +111,24 @@ def piece(mesh: Mesh, faces: Ints | NDArray[np.bool_]) -> Piece:
 
     Raises
     ------
+    InputError
+        Neither whole ids nor a mask of all faces.
     MeshError
         No face, an id out of range, or faces that meet in a vertex only.
     """
     given = np.asarray(faces)
-    chosen = np.flatnonzero(given) if given.dtype == bool else np.unique(given).astype(np.int64)
+    mask = given.dtype == bool and given.shape == (mesh.n_faces,)
+    if not (mask or (given.ndim == 1 and (given.dtype.kind in "iu" or not len(given)))):
+        raise InputError(
+            f"faces of type {given.dtype} and shape {given.shape}: ids, or a mask of the "
+            f"{mesh.n_faces} faces, are needed"
+        )
+    chosen = np.flatnonzero(given) if mask else np.unique(given).astype(np.int64)
     if not len(chosen):
         raise MeshError("the piece has no faces")
     if chosen[0] < 0 or chosen[-1] >= mesh.n_faces:
-        raise MeshError(f"face {chosen[-1]} is not in the mesh of {mesh.n_faces} faces")
+        out = chosen[0] if chosen[0] < 0 else chosen[-1]
+        raise MeshError(f"face {out} is not in the mesh of {mesh.n_faces} faces")
     inside = np.zeros(mesh.n_faces, dtype=bool)
     inside[chosen] = True
     corners = mesh.corners[inside[mesh.corner_face]]

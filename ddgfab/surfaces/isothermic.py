@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.tolerances import RELATIVE_DEGENERATE
+from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
 
 Surface = Callable[[Floats, Floats], ArrayLike]
 """Parameters u, v (arrays of one shape) to points (..., 3)."""
@@ -24,6 +24,19 @@ STEP^4, that of rounding 1e-16 / STEP (first derivatives) or / STEP^2 (second on
 
 _FIRST: Final = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
 _PLACES: Final = np.array([-2.0, -1.0, 1.0, 2.0])
+
+
+def _parameters(u: ArrayLike, v: ArrayLike, step: float) -> tuple[Floats, Floats]:
+    """Finite parameters, and a step that is positive."""
+    if not 0 < step <= COORDINATE_LIMIT:
+        raise InputError(f"step {step}: a positive number is needed")
+    p, q = _floats(u), _floats(v)
+    for name, values in (("u", p), ("v", q)):
+        bad = np.argwhere(~(np.abs(values) <= COORDINATE_LIMIT))
+        if len(bad):
+            at = tuple(bad[0].tolist())
+            raise InputError(f"{name} {at} is {values[at]:g}; a finite number is needed")
+    return p, q
 
 
 def _derivatives(surface: Surface, u: Floats, v: Floats, step: float) -> tuple[Floats, Floats]:
@@ -64,12 +77,17 @@ def smooth_isothermic_residuals(
 
     Raises
     ------
+    InputError
+        Parameters that are not finite or whose shapes do not go together, a step not positive.
     DegenerateError
         A parameter line that stands still, or a point that is not finite; names the parameters.
 
     Source: maths.md 5.4.
     """
-    p, q = (np.array(a) for a in np.broadcast_arrays(*map(_floats, (u, v))))
+    try:
+        p, q = (np.array(a) for a in np.broadcast_arrays(*_parameters(u, v, step)))
+    except ValueError as error:
+        raise InputError(str(error)) from None
     d1, d2 = _derivatives(surface, p, q, step)
     mixed = sum(
         w * _derivatives(surface, p, q + k * step, step)[0]
@@ -124,13 +142,13 @@ def smooth_dual(
     Raises
     ------
     InputError
-        Fewer than two parameters in a direction.
+        Fewer than two parameters in a direction, numbers that are not finite, a step not positive.
     DegenerateError
         As `smooth_isothermic_residuals`.
 
     Source: maths.md 5.4, 6.2.
     """
-    p, q = _floats(u), _floats(v)
+    p, q = _parameters(u, v, step)
     if p.ndim != 1 or q.ndim != 1 or min(len(p), len(q)) < 2:
         raise InputError(f"parameters of shapes {p.shape}, {q.shape}: two numbers at least each")
 

@@ -219,9 +219,13 @@ def baecklund_lattice(net: KNet, sigmas: Sequence[float], psis: Sequence[float])
 
     Source: maths.md 1.9, 3.10, 3.11.
     """
-    if len(sigmas) != len(psis) or not len(sigmas):
-        raise InputError(f"{len(sigmas)} sigmas and {len(psis)} psis: one of each per transform")
-    refuse_angles(np.array(sigmas, dtype=np.float64), "sigma of transform {}")
+    angles = np.array(sigmas, dtype=np.float64)
+    if angles.ndim != 1 or angles.shape != np.shape(psis) or not len(angles):
+        raise InputError(
+            f"sigmas of shape {angles.shape} and psis of shape {np.shape(psis)}: one of each per "
+            "transform"
+        )
+    refuse_angles(angles, "sigma of transform {}")
     count = len(sigmas)
     sheets: dict[tuple[int, ...], KNet] = {(): net}
     for k, (sigma, psi) in enumerate(zip(sigmas, psis, strict=True)):

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import Place, net_points, pairs
+from ddgfab.nets.cells import Place, finite, net_points, pairs
 from ddgfab.nets.isothermic import net_labels
 from ddgfab.tolerances import NET_INPUT
 
@@ -57,13 +57,16 @@ def integrate(edges: Sequence[Floats], limit: float = NET_INPUT) -> Floats:
     Raises
     ------
     InputError
-        Shapes that belong to no net.
+        Shapes that belong to no net, entries that are not finite.
     DegenerateError
         A quad whose four edges do not close within `limit` of its longest; names it.
     """
     d = len(edges)
+    if d < 2 or edges[0].ndim != d + 1:
+        raise InputError(f"edges of {d} directions with shape {np.shape(edges[0]) if d else ()}")
     shape = tuple(edges[0].shape[k] + (k == 0) for k in range(d))
     for axis, edge in enumerate(edges):
+        finite(edge, f"edges of direction {axis}")
         wanted = (*(n - (k == axis) for k, n in enumerate(shape)), edges[0].shape[-1])
         if edge.shape != wanted:
             raise InputError(f"edges of direction {axis} have shape {edge.shape}, not {wanted}")

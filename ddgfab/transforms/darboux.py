@@ -114,6 +114,8 @@ def darboux_common(
 
     Raises
     ------
+    InputError
+        Nets of different shapes, entries that are not finite.
     DegenerateError
         mu1 = mu2, or points that coincide; names the place.
 
@@ -133,14 +135,18 @@ def darboux_dual(points: ArrayLike, transform: ArrayLike, dual: ArrayLike, mu: f
 
     Raises
     ------
+    InputError
+        Nets of different shapes, entries that are not finite.
     DegenerateError
         A point that coincides with its transform; names it.
 
     Source: maths.md 6.3.
     """
-    x, a, star = (np.asarray(net, dtype=np.float64) for net in (points, transform, dual))
+    x, a, star = (net_points(net) for net in (points, transform, dual))
     if not x.shape == a.shape == star.shape:
         raise InputError(f"nets of shapes {x.shape}, {a.shape}, {star.shape}; equal ones needed")
+    if not np.isfinite(mu):
+        raise InputError(f"mu = {mu:g}: a finite label is needed")
     step = a - x
     square = np.einsum("...i,...i->...", step, step)
     Place(name="point").refuse(square == 0, "it coincides with its transform")

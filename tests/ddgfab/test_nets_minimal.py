@@ -449,10 +449,10 @@ def test_gauss_images_must_touch_the_sphere() -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: enneper((0, 3), 0.1), "both positive"),
+        (lambda: enneper((0, 3), 0.1), "cells of direction 0 = 0"),
         (lambda: enneper((2, 2), 1.2), "covers half"),
-        (lambda: catenoid(2, (0, 1)), "3 or more around"),
-        (lambda: catenoid_koebe(5, (1, 1)), "rising rings"),
+        (lambda: catenoid(2, (0, 1)), "around = 2"),
+        (lambda: catenoid_koebe(5, (1, 1)), "rings from 1 to 1"),
         (lambda: schwarz_p(0), "cells on a side"),
         (lambda: schwarz_p_cell(1), "2 or more"),
     ],
