@@ -46,7 +46,7 @@ def test_python_snippet(snippet: str, here: Path) -> None:
 def test_commands(here: Path) -> None:
     """Every `ddgfab ...` line of the usage block, in order; globs as the shell would."""
     lines = [line for line in blocks("bash")[2].splitlines() if line.startswith("ddgfab ")]
-    assert len(lines) == 4
+    assert len(lines) == 5
     for line in lines:
         words = []
         for word in shlex.split(line, comments=True)[1:]:
@@ -54,6 +54,14 @@ def test_commands(here: Path) -> None:
             words += found or [word]
         result = CliRunner().invoke(app, words)
         assert result.exit_code == 0, (line, result.output)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", blocks("bash")[3].splitlines())
+def test_linkages(line: str, here: Path) -> None:
+    result = CliRunner().invoke(app, shlex.split(line, comments=True)[1:])
+    assert result.exit_code == 0, result.output
+    assert list(here.rglob("report.html"))
 
 
 def test_the_project_snippet_is_valid(here: Path) -> None:
