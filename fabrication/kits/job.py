@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, as_completed
@@ -254,7 +255,7 @@ class _KitJob:
         kit = self.kit
         manifest = build_manifest(
             project=kit.name,
-            input={"file": None if kit.project.file is None else str(kit.project.file)},
+            input=_input(kit),
             settings=kit.project.settings,
             net=kit.facts(),
             support={},
@@ -296,6 +297,14 @@ class _KitJob:
         begin = time.perf_counter()
         yield
         self.seconds[step] = self.seconds.get(step, 0.0) + time.perf_counter() - begin
+
+
+def _input(kit: Kit) -> dict[str, str | None]:
+    """The file that the linkage came from: the mesh of a K-net, or the project."""
+    path = kit.project.source
+    if path is None:
+        return {"file": None, "sha256": None}
+    return {"file": str(path), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
 
 
 def motion_checks(kit: Kit) -> list[Check]:

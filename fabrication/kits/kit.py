@@ -34,8 +34,6 @@ SHOWN: Final = 2
 
 MESHES: Final = (".obj", ".off", ".ply")
 
-SECTIONS: Final = ("project", "linkage", "printer", "parts", "motion", "output")
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Kit:
@@ -258,8 +256,13 @@ def kit(
 
 def find_kit_project(source: str | Path | None, settings: Mapping[str, Any]) -> KitProject:
     """The project of a kind, project or mesh file, with parameters and sections changed."""
-    sections = {name: dict(value) for name, value in settings.items() if name in SECTIONS}
-    parameters = {name: value for name, value in settings.items() if name not in SECTIONS}
+    # A mapping is a section, though maybe an unknown one, but for a surface's own parameters.
+    sections = {
+        name: dict(value)
+        for name, value in settings.items()
+        if isinstance(value, Mapping) and name != "parameters"
+    }
+    parameters = {name: value for name, value in settings.items() if name not in sections}
     linkage = {**sections.get("linkage", {}), **parameters}
     if source is not None and Path(source).suffix.lower() == ".toml":
         return load_kit_project(source, {**sections, **({"linkage": linkage} if linkage else {})})

@@ -147,6 +147,14 @@ class KitProject(Section):
         return self.project.name or (self.file.stem if self.file else self.linkage.kind)
 
     @property
+    def source(self) -> Path | None:
+        """The mesh of a K-net, or the project file; None when made in Python."""
+        mesh = self.linkage.file if isinstance(self.linkage, KNetLinkage) else None
+        if mesh is None or self.file is None:
+            return mesh or self.file
+        return self.file.parent / mesh
+
+    @property
     def settings(self) -> dict[str, Any]:
         """Every section as plain values, for the manifest."""
         return self.model_dump(mode="json")

@@ -66,8 +66,10 @@ def test_example_projects(project: Path, tmp_path: Path) -> None:
     manifest = json.loads((tmp_path / "out/manifest.json").read_text("utf-8"))
     assert manifest["project"] == project.stem
     assert manifest["checks"]["failed"] == 0
+    assert manifest["input"]["file"] == str(project)
+    assert len(manifest["input"]["sha256"]) == 64
     low, high = manifest["net"]["free_deg"]
-    assert high - low > (100 if project.stem == "crab" else 120)
+    assert high - low > 120
     assert (tmp_path / "out/report.html").stat().st_size < 8e6
     assert (tmp_path / "out/motion.gif").exists()
 
@@ -85,6 +87,7 @@ def test_example_projects(project: Path, tmp_path: Path) -> None:
         (["--printer", "laser"], "laser"),
         (["--set", "parts.pin_diameter_mm=8", "--set", "parts.eye_diameter_mm=10"], "wall of 0.8"),
         (["--set", "linkage.a=3"], "[linkage] a is unknown"),
+        (["--set", "part.label=none"], "[part] is unknown; did you mean parts"),
         (["tesseract"], '"tesseract" is neither a kind of linkage'),
         (["none.toml"], "none.toml: cannot be read"),
         (["roof.obj"], "no K-net"),
