@@ -24,6 +24,7 @@ from ddgfab.curvature.least_area import (
     associated_family,
     minimise_area,
 )
+from ddgfab.curvature.normal_area import area_hessian, minimise_area_along_normals
 from ddgfab.curvature.skew import knet_curvature, skew_curvature, unit_curvature_scale
 from ddgfab.curvature.steiner import Curvatures, steiner_curvatures
 
@@ -34,6 +35,7 @@ __all__ = [
     "MetricJet",
     "angle_defects",
     "area_gradient",
+    "area_hessian",
     "associated_family",
     "brioschi",
     "cotangent_laplacian",
@@ -43,6 +45,7 @@ __all__ = [
     "mean_curvature_vectors",
     "metric_of",
     "minimise_area",
+    "minimise_area_along_normals",
     "mixed_vertex_areas",
     "net_curvature",
     "skew_curvature",

@@ -31,6 +31,12 @@ MEMORY: Final = 6
 more near the widest catenoid."""
 
 
+_ADVICE = (
+    "vertices of most meshes slide on for ever: hold them to their normals "
+    "(minimise_area_along_normals)"
+)
+
+
 @dataclass(frozen=True, eq=False)
 class LeastArea:
     """A mesh of (locally) least area.
@@ -60,7 +66,9 @@ def minimise_area(
     """Pinkall and Polthier's iteration: solve the cotangent Laplacian of the mesh, again and again.
 
     Each step minimises the Dirichlet energy of maps from the present mesh, which never lets the
-    area grow. Anderson's acceleration is taken wherever it lowers the area further.
+    area grow. Anderson's acceleration is taken wherever it lowers the area further. It ends at
+    meshes that are minimal in all directions, as symmetric or small ones can be; on most others
+    vertices slide in the surface without end: see `minimise_area_along_normals`.
 
     Parameters
     ----------
@@ -81,7 +89,7 @@ def minimise_area(
     Source: maths.md 8.4.
     """
     triangles_of(mesh)
-    held = _held(mesh, fixed)
+    held = held_vertices(mesh, fixed)
     free = np.flatnonzero(~held & (mesh.valences > 0))
     if not len(free):
         return LeastArea(mesh, "converged", (float(mesh.face_areas.sum()),), (0.0,))
@@ -94,26 +102,29 @@ def minimise_area(
         try:
             length = np.linalg.norm(area_gradient(current)[free], axis=1)
         except DegenerateError as error:
-            raise DegenerateError(f"after {step} steps {error}; the surface pinches off") from error
+            raise DegenerateError(
+                f"after {step} steps {error}; the surface pinches off, or vertices slide together"
+                f"\n{_ADVICE}"
+            ) from error
         areas.append(float(current.face_areas.sum()))
         gradients.append(float(length.max()))
         if gradients[-1] <= limit:
             status = "converged"
             break
         if step < max_steps:
-            plain = _step(current, free, held)
+            plain = dirichlet_step(current, free, held)
             past = [*past[-MEMORY:], (current.vertices[free].ravel(), plain.vertices[free].ravel())]
             current = _accelerated(plain, free, past)
     if status != "converged" and throw:
         worst = int(free[np.argmax(length)])
         raise DegenerateError(
             f"the area is not stationary after {max_steps} steps: gradient {gradients[-1]:.2g} at "
-            f"vertex {worst} (limit {limit:.2g})"
+            f"vertex {worst} (limit {limit:.2g})\n{_ADVICE}"
         )
     return LeastArea(current, status, tuple(areas), tuple(gradients))
 
 
-def _held(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
+def held_vertices(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
     held = mesh.boundary_vertex if fixed is None else np.asarray(fixed)
     if held.shape != (mesh.n_vertices,) or held.dtype != np.bool_:
         raise MeshError(f"fixed: ({mesh.n_vertices},) flags are needed, not {held.shape}")
@@ -131,7 +142,7 @@ def _starts(mesh: Mesh) -> Ints:
     return mesh.face_start[:-1]
 
 
-def _step(mesh: Mesh, free: Ints, held: NDArray[np.bool_]) -> Mesh:
+def dirichlet_step(mesh: Mesh, free: Ints, held: NDArray[np.bool_]) -> Mesh:
     laplacian = cotangent_laplacian(mesh)[free]
     ends = np.flatnonzero(held)
     right = -laplacian[:, ends] @ mesh.vertices[ends]
