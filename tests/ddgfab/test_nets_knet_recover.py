@@ -13,7 +13,14 @@ from knet_cases import any_knet
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.io import read_mesh
 from ddgfab.mesh import Mesh
-from ddgfab.nets import crab_net, grid_mesh, knet, knet_from_mesh, recover_knet
+from ddgfab.nets import (
+    crab_net,
+    grid_mesh,
+    knet,
+    knet_from_mesh,
+    recover_knet,
+    star_flatness,
+)
 
 
 @pytest.mark.parametrize("cells", [(12, 9), (1, 1), (1, 5), (3, 4, 2), (2, 2, 2, 3)])
@@ -76,6 +83,29 @@ def test_noise_is_the_defect() -> None:
         assert 5 < next_.distance / one.distance < 20
     with pytest.raises(InputError, match="no K-net"):
         recover_knet(net.points + 1e-2 * noise)
+
+
+def test_every_defect_by_itself() -> None:
+    """An affine image keeps planar stars, but neither lengths nor scale; noise spoils all three."""
+    net = any_knet(5, 6)
+    stretched = recover_knet(net.points * [1.0, 1.0, 1.001], limit=1.0)
+    assert stretched.defects["flatness"].max() < 1e-12
+    assert 1e-5 < stretched.defects["length"].max() < 2e-3
+    assert 1e-5 < stretched.defects["scale"].max() < 1e-2
+    noise = np.random.default_rng(2).normal(size=net.points.shape)
+    noisy = recover_knet(net.points + 1e-6 * noise, limit=1.0)
+    assert noisy.defects["flatness"] == pytest.approx(star_flatness(noisy.points))
+    assert noisy.defects["flatness"].max() > 1e-7
+    x = noisy.points
+    for k in (0, 1):  # by hand: the greatest of the edges at each vertex against their strip
+        lengths = np.linalg.norm(np.diff(x, axis=k), axis=-1)
+        off = np.moveaxis(np.abs(lengths / lengths.mean(axis=1 - k, keepdims=True) - 1), k, 0)
+        for u, row in enumerate(off):
+            for at in (u, u + 1):
+                assert (np.moveaxis(noisy.defects["length"], k, 0)[at] >= row - 1e-15).all()
+    assert 1e-7 < noisy.defects["length"].max() < 1e-4
+    with pytest.raises(InputError, match=r"\(length\)|\(scale\)"):
+        recover_knet(net.points * [1.0, 1.0, 1.1])
 
 
 def test_knet_of_others(mesh_file: Callable[[str], Path]) -> None:

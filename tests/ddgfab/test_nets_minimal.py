@@ -245,6 +245,9 @@ def test_associated_family_closes_and_keeps_edges(angle: float) -> None:
         assert np.abs(np.einsum("ex,ex->e", tangent, net.gauss.contacts)).max() < 1e-10
         cosine = np.einsum("ex,ex->e", tangent, unit(net.mesh.edge_vectors))
         assert np.abs(cosine - np.cos(angle)).max() < 1e-10
+        turned = np.cross(net.gauss.contacts, unit(net.mesh.edge_vectors))
+        sine = np.einsum("ex,ex->e", tangent, turned)
+        assert np.abs(sine - np.sin(angle)).max() < 1e-10
         back = other.associated(0.0)
         assert np.abs(back.mesh.vertices - net.mesh.vertices).max() < 1e-10 * net.mesh.diameter
         with pytest.raises(InputError, match="deg of the associated family"):
