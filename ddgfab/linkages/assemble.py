@@ -10,6 +10,7 @@ from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Drive, Mechanism, Pose, bar_lengths, signed_twists
 from ddgfab.linkages.mobility import mobility
 from ddgfab.mesh import Floats, Ints
+from ddgfab.nets.knet import oriented_angle
 
 FOLD_SAMPLES = 361
 """Driving angles at which folded isograms are looked for."""
@@ -24,9 +25,7 @@ SAME_ANGLE = 1e-6
 def isogram_angles(points: Floats, axes: Floats, cells: Ints) -> Floats:
     """(..., F) oriented angle at the first hinge of every isogram [rad], in (-pi, pi]."""
     corner, ahead, behind = (points[..., cells[:, k], :] for k in (0, 1, 3))
-    a, b = ahead - corner, behind - corner
-    sine = np.einsum("...i,...i->...", axes[..., cells[:, 0], :], np.cross(a, b))
-    return np.asarray(np.arctan2(sine, np.einsum("...i,...i->...", a, b)))
+    return oriented_angle(axes[..., cells[:, 0], :], ahead - corner, behind - corner)
 
 
 def crossings(

@@ -19,6 +19,7 @@ from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Bounds
 from ddgfab.linkages.models import TINY, Model, closing
 from ddgfab.mesh import Floats
+from ddgfab.nets.knet import oriented_angle
 
 if TYPE_CHECKING:
     from ddgfab.linkages.lattice import Lattice
@@ -126,8 +127,7 @@ class _Spread:
         """(T,) angle at a hinge about m from one arm to another."""
         here = self.x[vertex]
         a, b = (self.x[self._end(vertex, arm)] - here for arm in (first, second))
-        sine = np.einsum("ti,ti->t", self.m[vertex], np.cross(a, b))
-        return np.asarray(np.arctan2(sine, np.einsum("ti,ti->t", a, b)))
+        return oriented_angle(self.m[vertex], a, b)
 
     def _end(self, vertex: Vertex, arm: Arm) -> Vertex:
         k, sense = arm

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import Place, finite, net_points, pairs
-from ddgfab.nets.knet_evolve import integrate, layer
+from ddgfab.nets.cells import Place, finite, layer, net_points, pairs
+from ddgfab.nets.knet_evolve import integrate
 from ddgfab.nets.moutard import moutard_coefficients
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 

@@ -187,6 +187,27 @@ def pairs(points: ArrayLike) -> list[tuple[int, int]]:
     return [(k, m) for k in range(d) for m in range(k + 1, d)]
 
 
+def layer(d: int, k: int, part: slice | int) -> tuple[slice | int, ...]:
+    """Index of all of the directions before k, a part of k, the first of those after."""
+    return tuple(slice(None) if a < k else part if a == k else 0 for a in range(d))
+
+
+def summed(steps: Callable[[int], Floats], shape: tuple[int, ...], origin: ArrayLike) -> Floats:
+    """Net (n1, ..., nd, dim) of a shape from its differences, and its first point.
+
+    Sums along direction 0 on the axis, then direction 1 from there and so on; so of direction k
+    only the differences in ``layer(d, k, slice(None))`` count: ``steps(k)``, an array of its own.
+    """
+    d = len(shape) - 1
+    x = np.empty(shape)
+    x[(0,) * d] = origin
+    for k in range(d):
+        ahead = x[layer(d, k, slice(1, None))]
+        np.cumsum(steps(k), axis=k, out=ahead)
+        ahead += x[layer(d, k, slice(0, 1))]
+    return x
+
+
 def sweep(first: ArrayLike, second: ArrayLike, data: tuple[ArrayLike, ...], rule: Rule) -> Floats:
     """(M + 1, N + 1, dim) net from two polylines and a rule for the fourth point of a quad.
 

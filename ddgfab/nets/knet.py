@@ -173,7 +173,7 @@ class KNet:
                 worst("tangent", np.einsum("...i,...i->...", normal, edges) / size)
             sine = np.einsum("...i,...i->...", np.cross(start, end), edges) / size
             twist = np.arctan2(sine, cosine) - (wide if k == 0 else -wide)
-            worst("twist", np.remainder(twist + np.pi, 2 * np.pi) - np.pi)
+            worst("twist", modulo(twist))
             for other in range(k + 1, self.d):
                 worst("moutard", _moutard_gap(self.m, k, other))
         return out
@@ -193,6 +193,11 @@ def oriented_angle(normal: Floats, a: Floats, b: Floats) -> Floats:
     """(...) angle from a to b about a normal [rad], in (-pi, pi]; vectors (..., 3) (3.5, 11b)."""
     sine = np.einsum("...i,...i->...", normal, np.cross(a, b))
     return np.asarray(np.arctan2(sine, np.einsum("...i,...i->...", a, b)))
+
+
+def modulo(angles: ArrayLike) -> Floats:
+    """Angles modulo 2 pi in [-pi, pi) [rad]."""
+    return np.asarray(np.remainder(np.asarray(angles) + np.pi, 2 * np.pi) - np.pi)
 
 
 def knet(

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.cells import finite
-from ddgfab.nets.knet import KNet, oriented_angle, refuse_angles
+from ddgfab.nets.knet import KNet, modulo, oriented_angle, refuse_angles
 
 
 def angle_coefficient(delta_1: ArrayLike, delta_2: ArrayLike) -> Floats:
@@ -66,11 +66,6 @@ def vertex_angle_defect(net: KNet) -> Floats:
     phi, phi_12, psi_1, psi_2 = quad_angles(net)
     total = phi[1:, 1:] + phi_12[:-1, :-1] + psi_1[:-1, 1:] + psi_2[1:, :-1]
     return modulo(total)
-
-
-def modulo(angles: ArrayLike) -> Floats:
-    """Angles modulo 2 pi in [-pi, pi) [rad]."""
-    return np.asarray(np.remainder(np.asarray(angles) + np.pi, 2 * np.pi) - np.pi)
 
 
 def chi_of_phi(phi: ArrayLike, k: ArrayLike) -> Floats:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import Place, columns, cross, dot, finite, norm
+from ddgfab.nets.cells import Place, columns, cross, dot, finite, layer, norm, summed
 from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
 
 
@@ -171,25 +171,17 @@ def _fill(m: Floats, subset: tuple[int, ...], name: str) -> None:
 def integrate(m: Floats, r: float, origin: Floats) -> Floats:
     """(n1, ..., nd, 3) points of the A-net with Delta_k x = r m_k x m, from its first point.
 
-    Sums along direction 0 on the axis, then direction 1 and so on; closing is the Moutard
-    equation of m (not checked here: see `KNet.residuals`, `anet_from_moutard`).
+    Closing is the Moutard equation of m (not checked here: see `KNet.residuals`,
+    `anet_from_moutard`).
     """
     d = m.ndim - 1
-    x = np.empty_like(m)
-    x[(0,) * d] = origin
-    for k in range(d):
-        # In the layer of the directions up to k, the later ones at zero.
+
+    def steps(k: int) -> Floats:
         edges = lelieuvre_edges(m[layer(d, k, slice(None))], k)
         edges *= r
-        ahead = x[layer(d, k, slice(1, None))]
-        np.cumsum(edges, axis=k, out=ahead)
-        ahead += x[layer(d, k, slice(0, 1))]
-    return x
+        return edges
 
-
-def layer(d: int, k: int, part: slice | int) -> tuple[slice | int, ...]:
-    """Index of all of the directions before k, a part of k, the first of those after."""
-    return tuple(slice(None) if a < k else part if a == k else 0 for a in range(d))
+    return summed(steps, m.shape, origin)
 
 
 def lelieuvre_edges(m: Floats, axis: int) -> Floats:

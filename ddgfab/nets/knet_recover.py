@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.nets.asymptotic import star_flatness, tangent_normals
-from ddgfab.nets.cells import net_points
+from ddgfab.nets.cells import layer, net_points
 from ddgfab.nets.knet import CauchyData, KNet, oriented_angle
-from ddgfab.nets.knet_evolve import layer, lelieuvre_edges
+from ddgfab.nets.knet_evolve import lelieuvre_edges
 
 if TYPE_CHECKING:
     from ddgfab.net import Net

@@ -6,13 +6,14 @@ Source: Bobenko, Pinkall 1996; Bobenko, Suris, 4.3; maths.md 6.2.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import Place, finite, net_points, pairs
+from ddgfab.nets.cells import Place, finite, layer, net_points, summed
 from ddgfab.nets.isothermic import net_labels
 from ddgfab.tolerances import NET_INPUT
 
@@ -70,8 +71,8 @@ def integrate(edges: Sequence[Floats], limit: float = NET_INPUT) -> Floats:
         wanted = (*(n - (k == axis) for k, n in enumerate(shape)), edges[0].shape[-1])
         if edge.shape != wanted:
             raise InputError(f"edges of direction {axis} have shape {edge.shape}, not {wanted}")
-    net = np.zeros((*shape, edges[0].shape[-1]))
-    for i, j in pairs(net):
+    net_shape = (*shape, edges[0].shape[-1])
+    for i, j in combinations(range(d), 2):
         gap = np.linalg.norm(np.diff(edges[i], axis=j) - np.diff(edges[j], axis=i), axis=-1)
         along = np.linalg.norm(edges[i], axis=-1), np.linalg.norm(edges[j], axis=-1)
         low = along[0].take(range(shape[j] - 1), axis=j), along[1].take(range(shape[i] - 1), axis=i)
@@ -85,12 +86,4 @@ def integrate(edges: Sequence[Floats], limit: float = NET_INPUT) -> Floats:
                 f"{gap[cell] / longest[cell]:.2g} of the longest (limit {limit:g})",
                 cell=cell,
             )
-    for axis in range(d):
-        # Along the boundary first, then into the net: each direction's edges on the lines where
-        # the later directions are still zero.
-        behind: tuple[slice | int, ...] = (slice(None),) * axis
-        ahead = (0,) * (d - axis - 1)
-        start, target = (*behind, slice(0, 1), *ahead), (*behind, slice(1, None), *ahead)
-        steps = np.cumsum(edges[axis][(*behind, slice(None), *ahead)], axis=axis)
-        net[target] = net[start] + steps
-    return net
+    return summed(lambda k: edges[k][layer(d, k, slice(None))], net_shape, 0.0)
