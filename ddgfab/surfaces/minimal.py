@@ -126,8 +126,12 @@ class Weierstrass:
         return np.asarray(product.imag / np.abs(product))
 
     def conjugate(self, angle: float = 0.5 * np.pi) -> Weierstrass:
-        """The member at an angle [rad] of the associated family: f times e^(-i angle)."""
-        turn, f = np.exp(-1j * angle), self.f
+        """The member at an angle [rad] of the associated family: f times e^(i angle).
+
+        Tangents turn about the normal: dx becomes cos(angle) dx + sin(angle) n x dx, as edges of
+        `ddgfab.nets.MinimalNet.associated` do.
+        """
+        turn, f = np.exp(1j * angle), self.f
         return Weierstrass(lambda z: turn * f(z), self.g, self.slope)
 
 

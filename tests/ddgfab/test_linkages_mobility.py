@@ -8,7 +8,7 @@ import pytest
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages import Pose, bennett, crab_mechanism, cube, flex, knet_mechanism, mobility
 from ddgfab.linkages.grid import Grid
-from ddgfab.linkages.mobility import linkage_jacobian
+from ddgfab.linkages.mobility import _kernel, linkage_jacobian
 from ddgfab.nets.knet import KNet, knet
 from ddgfab.nets.knet_crab import crab_net
 
@@ -74,6 +74,12 @@ def test_bad_linkages() -> None:
         mobility([[0, 0]], pose)
     with pytest.raises(InputError, match="one pose"):
         mobility([[0, 1]], Pose(pose.points[None], pose.axes[None]))
+
+
+def test_ranks_without_a_gap_are_refused() -> None:
+    assert _kernel(np.diag([1.0, 2e-9, 5e-13]), 3).shape == (3, 1)
+    with pytest.raises(DegenerateError, match=r"singular values 2e-09 and 5e-10 at hinge 3"):
+        _kernel(np.diag([1.0, 2e-9, 5e-10]), 3)
 
 
 def test_mechanisms_report_it() -> None:

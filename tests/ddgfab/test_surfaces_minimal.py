@@ -81,6 +81,17 @@ def test_closed_forms() -> None:
     assert min(ruled) < 1e-13
 
 
+@pytest.mark.parametrize("angle", [0.4, np.pi / 2, 2.0])
+def test_members_turn_about_the_normal_as_discrete_ones_do(angle: float) -> None:
+    """maths.md 7.7: dx goes to cos(angle) dx + sin(angle) n x dx; by differences."""
+    surface = smooth_catenoid()
+    other, n = surface.conjugate(angle), surface.normals(Z)
+    for step in (STEP, 1j * STEP):
+        dx, moved = (s.points(Z + step) - s.points(Z - step) for s in (surface, other))
+        wanted = np.cos(angle) * dx + np.sin(angle) * np.cross(n, dx)
+        assert np.abs(moved - wanted).max() < 1e-7 * STEP
+
+
 def test_scherk_tower_and_its_conjugate() -> None:
     z = 0.9 * np.sqrt(np.linspace(0.01, 1, 30)) * np.exp(1j * np.arange(30))
     x, y, height = smooth_scherk_tower().conjugate().points(z).T
