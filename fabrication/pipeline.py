@@ -186,7 +186,7 @@ class _Job:
     def _make(self) -> list[PartResult]:
         """All part numbers, in the pool."""
         jobs = [PartJob(f.number, f.role, f.shape) for f in self.design.families]
-        for kind in ("step", "stl"):
+        for kind in ("step", "stl", "3mf"):
             if kind in self.formats:
                 (self.staging / "parts" / kind).mkdir(parents=True)
         batches = [jobs[i : i + BATCH] for i in range(0, len(jobs), BATCH)]

@@ -74,6 +74,7 @@ def part_settings(design: Design, folder: Path, formats: frozenset[str]) -> Part
         folder=folder,
         step="step" in formats,
         stl="stl" in formats,
+        threemf="3mf" in formats,
         chord=CHORD_MM,
         schema=project.output.step_schema,
         header=Header(project.output.author, project.output.organisation, project.name),

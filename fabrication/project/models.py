@@ -22,7 +22,7 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Degrees = Annotated[float, Field(ge=0, le=180)]
 VertexIds = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(strict=False)]
-Format = Literal["step", "stl", "glb", "csv", "xlsx"]
+Format = Literal["step", "stl", "3mf", "glb", "csv", "xlsx"]
 BoltSize = Literal["none", "M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
 
 MESH: Final = "mesh"

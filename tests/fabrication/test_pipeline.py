@@ -208,3 +208,13 @@ def test_admesh_has_nothing_to_mend(small_folder: Path) -> None:
             counts = re.findall(rf"{fault}\s*:\s*(\d+)", done.stdout, flags=re.IGNORECASE)
             assert counts, (fault, done.stdout)
             assert set(counts) == {"0"}, (path.name, fault, done.stdout)
+
+
+def test_parts_as_3mf(tmp_path: Path) -> None:
+    """Parts alone as 3MF need no kernel; lib3mf reads each back as what was made."""
+    result = make(design(barrel(1, 2), output={"formats": ["3mf"]}), tmp_path / "job")
+    assert result.exit_code == 0, result.problems
+    numbers = {part["number"] for part in result.manifest["parts"]}
+    assert {path.stem for path in (tmp_path / "job" / "parts" / "3mf").iterdir()} == numbers
+    checks = {check["name"] for part in result.manifest["parts"] for check in part["checks"]}
+    assert any("3mf" in name.lower() for name in checks)
