@@ -76,12 +76,9 @@ class MinimalNet:
         Source: Bobenko, Pottmann, Wallner 2010; maths.md 8.2, 7.6.
         """
         self._refuse_angle("are not parallel to the Gauss image")
-        normals = self.gauss.mesh.vertices
-        # Of the size of the Gauss image: mixed areas lose digits between sizes far apart.
-        size = float(np.median(self.gauss.mesh.edge_lengths) / np.median(self.mesh.edge_lengths))
-        points = self.mesh.vertices * size
+        points, normals = self.mesh.vertices, self.gauss.mesh.vertices
         mixed = mixed_areas(self.mesh, points, normals)
-        own, image = oriented_areas(self.mesh, points), oriented_areas(self.mesh, normals)
+        own, image = oriented_areas(self.mesh), oriented_areas(self.mesh, normals)
         return np.asarray(-mixed / own / np.sqrt(np.abs(image / own)))
 
     def offset(self, distance: float) -> Floats:

@@ -29,6 +29,17 @@ def test_sphere_of_radius_two_and_a_half() -> None:
     np.testing.assert_allclose(found.principal, [[-0.4] * mesh.n_faces] * 2, atol=1e-7)
 
 
+@pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e12])
+def test_no_digits_are_lost_between_sizes(scale: float) -> None:
+    """A net on a sphere of radius 2.5 scale about a far centre: H = -0.4 / scale."""
+    angle = np.linspace(0.3, 1.2, 6)
+    mesh = ring(list(2.5 * np.cos(angle)), list(2.5 * np.sin(angle)))
+    far = mesh.with_vertices(scale * (mesh.vertices + 7.0))
+    found = steiner_curvatures(far, mesh.vertices / 2.5)
+    assert found.mean * scale == pytest.approx(-0.4, abs=1e-11)
+    assert found.gauss * scale**2 == pytest.approx(0.16, abs=1e-11)
+
+
 def test_cylinder_of_radius_two() -> None:
     mesh = ring([2.0, 2.0, 2.0], [0.0, 1.0, 2.5])
     sigma = mesh.vertices * [0.5, 0.5, 0.0]
