@@ -9,6 +9,7 @@ from ddgfab import Mesh
 from ddgfab.curvature import (
     angle_defects,
     area_gradient,
+    area_hessian,
     associated_family,
     cotangent_laplacian,
     cotangent_mean_curvature,
@@ -87,6 +88,18 @@ def test_discrete_catenoid_is_exactly_critical() -> None:
     assert mesh.face_areas.sum() == pytest.approx(8.48799228, abs=5e-9)
     inner = ~mesh.boundary_vertex
     assert np.abs(area_gradient(mesh)[inner]).max() < 1e-14
+
+
+def test_catenoids_are_stable_up_to_one_and_a_fifth_radii() -> None:
+    """maths.md 8.4: critical all the same, rings beyond |z| = 1.2 r are no minimum any more."""
+    for count, stable in ((2, True), (3, True), (5, False), (6, False)):
+        z = STEP * np.arange(-count, count + 1)
+        mesh = rings(catenoid_radii(z), z)
+        inner = ~mesh.boundary_vertex
+        assert np.abs(area_gradient(mesh)[inner]).max() < 1e-14
+        free = np.repeat(inner, 3)
+        least = np.linalg.eigvalsh(area_hessian(mesh).toarray()[np.ix_(free, free)])[0]
+        assert (least > 0.01) if stable else (least < -0.1)
 
 
 def test_iteration_finds_the_discrete_catenoid() -> None:

@@ -125,6 +125,29 @@ def test_large_cauchy_problem_is_refused() -> None:
     assert evolve_isothermic(*lines, 1.0, -1.0, growth_limit=np.inf).shape == (41, 41, 3)
 
 
+def test_errors_grow_as_the_warning_says() -> None:
+    """maths.md 6.1 prints 32, 2.8e3, 2.8e5, 3e7, 3e9 at 4, 8, ..., 20 cells; noise does no less."""
+    for cells, printed in ((4, 32), (8, 2.8e3), (12, 2.8e5), (16, 3e7), (20, 3e9)):
+        u = np.arange(cells + 1.0)[:, None] / cells
+        lines = u * [1, 0, 0], u * [0, 1, 0]
+        with pytest.raises(DegenerateError, match="errors in them grow") as caught:
+            evolve_isothermic(*lines, 1.0, -1.0, growth_limit=1.0)
+        told = float(str(caught.value).split("factor of ")[1].split()[0])
+        assert printed < told < 1e5 * printed
+        if cells == 4:
+            assert told < 200
+        # So does a disturbance made here.
+        rng = np.random.default_rng(cells)
+        noise = [1e-12 * rng.standard_normal(line.shape) for line in lines]
+        noise[1][0] = noise[0][0]
+        nets = [
+            evolve_isothermic(*pair, 1.0, -1.0, growth_limit=np.inf)
+            for pair in (lines, [a + b for a, b in zip(lines, noise, strict=True)])
+        ]
+        seen = np.abs(nets[1] - nets[0]).max() / max(np.abs(n).max() for n in noise)
+        assert told / 100 < seen < told * 10
+
+
 # --- the dual ------------------------------------------------------------------------------------
 def test_dual_properties() -> None:
     a, b = random_lines(5, 6)
