@@ -99,3 +99,37 @@ def test_triangles_are_offered_the_central_structure(mesh_file: MeshFile, tmp_pa
     )
     assert central.exit_code in (0, 1), central.output
     assert manifest_of(tmp_path / "out")["support"]["torsion_deg_max"] < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "edge_mm", "optimize", "lean"),
+    [
+        ("botanic_garden_bubble", 1000, ["goal=conical"], 7.0),
+        (
+            "heart",
+            1200,
+            ["goal=torsion-free", "max_lean_deg=25", "max_movement_mm=1900"],
+            25.0,
+        ),
+    ],
+)
+def test_optimised_designs_are_buildable(
+    mesh_file: MeshFile,
+    tmp_path: Path,
+    name: str,
+    edge_mm: int,
+    optimize: list[str],
+    lean: float,
+) -> None:
+    """As they are these end with leaning axes and skew panels; with [optimize] all passes."""
+    words = [f"--set=optimize.{word}" for word in optimize]
+    words += [f"--set=project.median_edge_mm={edge_mm}", "--formats", "csv"]
+    result = make(mesh_file(f"{name}.obj"), tmp_path / "out", *words)
+    assert result.exit_code == 0, result.output
+    manifest = manifest_of(tmp_path / "out")
+    assert manifest["checks"]["failed"] == 0
+    assert manifest["support"]["torsion_deg_max"] < 1e-6
+    assert manifest["support"]["lean_deg_max"] < lean
+    assert manifest["net"]["measures"]["planarity_percent"]["greatest"] < 1e-7
+    assert manifest["optimize"]["movement_max"] > 0
+    assert (tmp_path / "out" / "deviation.png").exists() or manifest["notes"]
