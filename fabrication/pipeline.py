@@ -6,7 +6,7 @@ import shutil
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, as_completed
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -105,14 +105,23 @@ def make(
     name = safe_name(design.project.name)
     target = Path(folder) if folder is not None else Path("outputs") / name
     tell = progress or (lambda step, done, of: None)
-    if pool is None:
-        with worker_pool(jobs) as own:
-            return make(design, target, pool=own, progress=progress)
-    with OutputFolder(target) as staging:
+    with staged(target, jobs, pool) as (staging, workers):
+        return _Job(design, staging, target, workers, tell).run()
+
+
+@contextmanager
+def staged(target: Path, jobs: int, pool: Workers | None) -> Iterator[tuple[Path, Workers]]:
+    """A folder to fill and the workers of a job: its own ones where no pool is given.
+
+    The folder takes the target's place when the block ends well, and goes when it does not.
+    """
+    with ExitStack() as stack:
+        workers = stack.enter_context(worker_pool(jobs)) if pool is None else pool
+        staging = stack.enter_context(OutputFolder(target))
         try:
-            return _Job(design, staging, target, pool, tell).run()
+            yield staging, workers
         except BaseException:
-            pool.stop()  # before the staging folder goes, into which they write
+            workers.stop()  # before the staging folder goes, into which they write
             raise
 
 

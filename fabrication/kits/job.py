@@ -15,7 +15,7 @@ import numpy as np
 
 from fabrication.checks.file import check_threemf
 from fabrication.designs import Progress
-from fabrication.export.folder import OutputFolder, safe_name
+from fabrication.export.folder import safe_name
 from fabrication.export.glb import write_glb
 from fabrication.export.manifest import (
     MANIFEST,
@@ -34,8 +34,8 @@ from fabrication.kits.printing import PRINTED_CHORD_MM, write_plates
 from fabrication.kits.schedules import kit_schedules
 from fabrication.linkage.motion_confirm import poses_to_confirm
 from fabrication.parts import PartJob, PartResult, PartSettings, assemble, make_parts, verify_parts
-from fabrication.pipeline import JobResult
-from fabrication.pool import Workers, worker_pool
+from fabrication.pipeline import JobResult, staged
+from fabrication.pool import Workers
 from fabrication.problems import problems_of
 from fabrication.schedules import mass_kg
 from fabrication.specs import Check, Role, TriangleMesh
@@ -75,15 +75,8 @@ def make_kit(
     """
     target = Path(folder) if folder is not None else Path("outputs") / safe_name(kit.name)
     tell = progress or (lambda step, done, of: None)
-    if pool is None:
-        with worker_pool(jobs) as own:
-            return make_kit(kit, target, pool=own, progress=progress)
-    with OutputFolder(target) as staging:
-        try:
-            return _KitJob(kit, staging, target, pool, tell).run()
-        except BaseException:
-            pool.stop()  # before the staging folder goes, into which they write
-            raise
+    with staged(target, jobs, pool) as (staging, workers):
+        return _KitJob(kit, staging, target, workers, tell).run()
 
 
 class _KitJob:

@@ -16,7 +16,7 @@ from ddgfab.linkages import Mechanism
 from fabrication.kits.linkages import BennettLinkage, CrabLinkage, CubeLinkage, KNetLinkage
 from fabrication.kits.plates import BED_MM, GAP_MM, MARGIN_MM, Bed
 from fabrication.linkage.settings import LabelStyle, LinkageSettings, PinKind, settings_for
-from fabrication.project.load import explain, find_line, read_toml, sections_in, unknown
+from fabrication.project.load import changed, explain, find_line, read_toml, sections_in, unknown
 from fabrication.project.models import NotNegative, Positive, Section
 from fabrication.standards.printers import printer
 
@@ -219,9 +219,7 @@ def load_kit_project(
     """
     file = Path(path)
     values, text = read_toml(file)
-    for section, keys in (changes or {}).items():
-        own = values.get(section, {})
-        values[section] = {**own, **keys} if isinstance(own, Mapping) else own
+    values = changed(values, changes)
     if "linkage" not in values:
         raise ProjectError('a linkage needs [linkage] kind = "bennett", ...', file=str(file))
     return _kit_project(values, file, text)

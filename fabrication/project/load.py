@@ -32,10 +32,18 @@ def load_project(
     """
     file = Path(path)
     values, text = read_toml(file)
+    return _project(changed(values, changes), file=file, text=text)
+
+
+def changed(
+    values: Mapping[str, Any], changes: Mapping[str, Mapping[str, Any]] | None
+) -> dict[str, Any]:
+    """Sections with single values replaced; what is no section stays, for validation to find."""
+    out = dict(values)
     for section, keys in (changes or {}).items():
-        own = values.get(section, {})
-        values[section] = {**own, **keys} if isinstance(own, Mapping) else own
-    return _project(values, file=file, text=text)
+        own = out.get(section, {})
+        out[section] = {**own, **keys} if isinstance(own, Mapping) else own
+    return out
 
 
 def read_toml(file: Path) -> tuple[dict[str, Any], str]:
