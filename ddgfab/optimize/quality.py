@@ -14,6 +14,10 @@ from ddgfab.optimize.terms.shape import second_differences
 
 _TURNED = np.pi / 2
 """Faces whose normals differ by more than this [rad] across an edge are folded over it."""
+_STRAIGHT = 1e-9
+"""Corners bent back by less than this [rad] are straight."""
+_COLLAPSED = 1e-3
+"""Sides shorter than this part of the mean edge have collapsed: no beam is left of them."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,12 @@ def interior_angles(mesh: Mesh) -> Floats:
     return np.where(side < 0, 2 * np.pi - mesh.corner_angles, mesh.corner_angles)
 
 
+def reflex_faces(mesh: Mesh) -> Ints:
+    """Faces that are not convex: one of their interior angles is above pi."""
+    found: Ints = np.unique(mesh.corner_face[interior_angles(mesh) > np.pi + _STRAIGHT])
+    return found
+
+
 def _crossed(mesh: Mesh) -> NDArray[np.bool_]:
     """(F,) faces of which two sides cross, seen along the face normal."""
     crossed = np.zeros(mesh.n_faces, dtype=bool)
@@ -81,7 +91,7 @@ def _crossed(mesh: Mesh) -> NDArray[np.bool_]:
 
 
 def folded_faces(mesh: Mesh, before: Mesh | None = None) -> Ints:
-    """Faces of which sides cross, that have no area, or that are folded over a neighbour.
+    """Faces of which sides cross or have collapsed, without area, or folded over a neighbour.
 
     Parameters
     ----------
@@ -92,6 +102,9 @@ def folded_faces(mesh: Mesh, before: Mesh | None = None) -> Ints:
         bad = _crossed(one) | ~(one.face_areas > 0)
         over = np.abs(dihedral_angles(one)) > _TURNED
         bad[one.edge_faces[over].ravel()] = True
+        sides = np.linalg.norm(np.subtract(*one.vertices[one.edges.T]), axis=1)
+        gone = one.edge_faces[sides < _COLLAPSED * sides.mean()].ravel()
+        bad[gone[gone >= 0]] = True  # edges of the boundary have one face
         return bad
 
     now = folded(mesh)

@@ -20,7 +20,15 @@ from ddgfab.optimize.terms import (
     conicality_terms,
     planarity_terms,
 )
-from ddgfab.optimize.trials import RecipeOptions, StageProgress, Task, Trial, climb, without_noise
+from ddgfab.optimize.trials import (
+    RecipeOptions,
+    StageProgress,
+    Task,
+    Trial,
+    climb,
+    crooked_faces,
+    without_noise,
+)
 
 Boundary = Literal["free", "glide", "fixed"]
 """What boundary vertices may do."""
@@ -71,11 +79,14 @@ def _complaint(task: Task, best: Trial) -> str:
     lines = [words for term in task.hard if (words := missed_words(term, x, accepted))]
     if len(best.folded):
         names = ", ".join(map(str, best.folded[:_NAMED].tolist()))
-        lines.append(f"{len(best.folded)} faces fold: {names}")
+        bad = (
+            "fold, collapse or are not convex" if task.goal == "circularize" else "fold or collapse"
+        )
+        lines.append(f"{len(best.folded)} faces {bad}: {names}")
     held = len(task.fixed)
     way = (
-        f"{held} of {task.mesh.n_vertices} vertices are fixed and pull against it: let the "
-        "boundary glide or go free, or fix fewer"
+        f"{held} of {task.mesh.n_vertices} vertices are fixed, as are the corners of a gliding "
+        "boundary, and pull against it: let the boundary go free, or fix fewer"
         if held
         else "the design is far from such a net: follow its principal directions with the edges, "
         "or use a finer mesh"
@@ -117,7 +128,7 @@ def _recipe(
         sliding, corners = boundary_glide(small, np.setdiff1d(rim, held))
         hard, held = (*hard, *sliding), np.union1d(held, corners)
     met = _residual(hard, small.vertices)
-    if met <= chosen.tolerance:
+    if met <= chosen.tolerance and not len(crooked_faces(small, hard)):
         return OptimizeResult(goal, mesh, mesh, "converged", (), met)
     sharp = None if features is None else _ids(features, mesh.n_edges, "feature edge")
     large = mesh.n_faces > chosen.search_faces

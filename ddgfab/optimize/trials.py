@@ -18,7 +18,7 @@ import numpy as np
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Ints, Mesh
 from ddgfab.optimize.problem import Problem, Term
-from ddgfab.optimize.quality import Quality, folded_faces, roughness
+from ddgfab.optimize.quality import Quality, folded_faces, reflex_faces, roughness
 from ddgfab.optimize.solve import Progress, Solution, SolveOptions, Step, polish, solve
 from ddgfab.optimize.terms import closeness, fairness, on_surface
 
@@ -205,8 +205,16 @@ def _judge(task: Task, mesh: Mesh, before: Quality, history: tuple[tuple[str, St
     residual = max(float(np.abs(t.residual(mesh.vertices.ravel())).max()) for t in task.hard)
     moved = float(np.linalg.norm(mesh.vertices - task.mesh.vertices, axis=1).max())
     lost = moved > _LOST * task.mesh.diameter
-    folded = folded_faces(mesh, task.mesh)
+    folded = np.union1d(folded_faces(mesh, task.mesh), crooked_faces(mesh, task.hard))
     return Trial(mesh, residual, moved, lost, folded, tuple(remarks), history)
+
+
+def crooked_faces(mesh: Mesh, hard: tuple[Term, ...]) -> Ints:
+    """Faces with reflex corners where corners are to lie on circles: none goes through these, and
+    sums of angles between 0 and pi do not see it."""
+    if any(term.name == "circularity" for term in hard):
+        return reflex_faces(mesh)
+    return np.empty(0, dtype=np.int64)
 
 
 _ON_SURFACE = 0.1

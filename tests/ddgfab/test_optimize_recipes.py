@@ -25,7 +25,8 @@ from ddgfab.optimize import (
     planarize,
     roughness,
 )
-from ddgfab.optimize.terms import on_surface
+from ddgfab.optimize.quality import reflex_faces
+from ddgfab.optimize.terms import circularity_terms, on_surface
 
 PLANAR = 1e-10
 """What the issue asks for: distance of diagonals over their mean."""
@@ -293,6 +294,33 @@ def test_folded_faces_are_found() -> None:
     assert 7 in bad
     assert len(bad) < 20
     assert not len(folded_faces(mesh.with_vertices(points), mesh.with_vertices(points)))
+
+
+def test_faces_with_a_collapsed_side_count_as_folded() -> None:
+    mesh = wavy(6)
+    points = mesh.vertices.copy()
+    a, b = mesh.face(7)[:2]
+    points[a] = points[b] + 1e-6 * (points[a] - points[b])
+    at_edge = [f for f in range(mesh.n_faces) if {a, b} <= set(mesh.face(f))]
+    assert folded_faces(mesh.with_vertices(points), mesh).tolist() == at_edge
+
+
+def test_no_crooked_hexagon_passes_for_circular() -> None:
+    # its angles between 0 and pi balance, but no circle goes through corners of which one is reflex
+    corners = [
+        [-2.457797928137807, 0.2766731364890044, 0],
+        [-1.081374563816235, -0.26813272069365035, 0],
+        [0.061542616982235614, 1.518351443736139, 0],
+        [1.9461361519076248, 0.7724053759418176, 0],
+        [1.9153295727146076, -0.9086546262831007, 0],
+        [-0.3838358496504341, -1.3906426091901982, 0],
+    ]
+    mesh = Mesh.build(corners, [range(6)])
+    (term,) = circularity_terms(mesh)
+    np.testing.assert_allclose(term.residual(mesh.vertices.ravel()), 0, atol=1e-13)
+    assert reflex_faces(mesh).tolist() == [0]
+    with pytest.raises(OptimizeError, match="1 faces fold, collapse or are not convex: 0"):
+        circularize(mesh, fixed=range(6))
 
 
 def test_a_bow_tie_is_folded_and_has_reflex_corners_elsewhere() -> None:
