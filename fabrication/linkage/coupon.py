@@ -25,7 +25,7 @@ def coupon_shape(settings: LinkageSettings) -> CouponShape:
     wall = max(settings.printer.wall, 0.5 * (settings.eye_diameter - settings.bore))
     tall = ROWS * unit + MARGIN if labels else 0.0
     wide = max(text_size(text)[0] for text in texts) * unit + 2.0 * MARGIN
-    pitch = max(max(bores) + wall, wide)
+    pitch = max(max(bores) + max(wall, 2.0 * MARGIN), wide)
     return CouponShape(
         bores, pitch, max(bores) + 2.0 * max(wall, MARGIN) + tall, settings.eye_height, labels
     )

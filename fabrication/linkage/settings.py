@@ -21,6 +21,10 @@ BEVEL: Final = 0.2
 and the flat sides still take letters of 4 mm."""
 
 
+ROUNDING: Final = 1e-9
+"""A wall [mm] may miss its limit by this much: sums of decimal numbers are not exact."""
+
+
 @dataclass(frozen=True)
 class LinkageSettings:
     """Numbers of a linkage's parts [mm]; make them with `settings_for`, which knows the printer.
@@ -132,7 +136,7 @@ def check_settings(settings: LinkageSettings) -> None:
     if s.max_levels < 1:
         raise InputError(f"max_levels is {s.max_levels}; bars need one level or more")
     wall = 0.5 * (s.eye_diameter - s.bore)
-    if wall < limits.wall:
+    if wall < limits.wall - ROUNDING:
         most = s.eye_diameter - 2.0 * (limits.wall + s.clearance)
         raise InputError(
             f"a pin of {s.pin_diameter:g} mm in a bore of {s.bore:g} mm leaves a wall of "

@@ -326,6 +326,18 @@ def test_every_printer_has_a_coupon_around_its_clearance(key: str, pin: Any) -> 
     assert [int(label.text) / 100 for label in coupon.labels] == pytest.approx(clearances)
 
 
+@pytest.mark.parametrize("label", ["engraved", "none"])
+@pytest.mark.parametrize("diameter", [5.0, 6.5, 7.0])
+def test_thick_pins_have_a_coupon_too(diameter: float, label: Any) -> None:
+    boundary_of(coupon_shape(settings_for("fdm-0.4", pin_diameter=diameter, label=label)))
+
+
+def test_the_thickest_pin_that_is_named_is_taken() -> None:
+    with pytest.raises(InputError, match=r"use a pin of 7\.2 mm or less"):
+        settings_for("fdm-0.4", pin_diameter=7.3)
+    settings_for("fdm-0.4", pin="printed", pin_diameter=7.2, cap_diameter=9.9)
+
+
 def test_a_kit_holds_one_coupon_and_its_pin_or_none() -> None:
     found = kit()
     assert [p.mark for p in found.pieces if p.role == "coupon"] == ["T-0000"]
