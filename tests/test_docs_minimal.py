@@ -9,9 +9,11 @@ from pathlib import Path
 
 import pytest
 
+import ddgfab.curvature
 import ddgfab.nets
 import ddgfab.support
 import ddgfab.surfaces
+import ddgfab.transforms
 from fabrication.project import load_project
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -36,7 +38,13 @@ def test_functions_named_exist() -> None:
         assert hasattr(importlib.import_module(module), name), f"{module}.{name}"
     for row in PAGE.split("## Functions")[1].split("\n"):
         for name in re.findall(r"`(\w+)(?:\(.*?\))?`", row.split("|")[1] if "|" in row else ""):
-            rooms = (ddgfab.nets, ddgfab.support, ddgfab.surfaces)
+            rooms = (
+                ddgfab.nets,
+                ddgfab.support,
+                ddgfab.surfaces,
+                ddgfab.transforms,
+                ddgfab.curvature,
+            )
             assert any(hasattr(room, name) for room in rooms), name
 
 
