@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from ddgfab.measures.areas import mixed_areas, oriented_areas
 from ddgfab.measures.edges import dihedral_angles, lean, torsion
-from ddgfab.measures.faces import chebyshev_defect, circular_defect, planarity, planarity_percent
+from ddgfab.measures.faces import (
+    chebyshev_defect,
+    circular_defect,
+    interior_angles,
+    planarity,
+    planarity_percent,
+)
 from ddgfab.measures.kinds import kind_names, kind_words
 from ddgfab.measures.report import Measure, Report, inspect
 from ddgfab.measures.vertices import conical_defect, star_defect
@@ -17,6 +23,7 @@ __all__ = [
     "conical_defect",
     "dihedral_angles",
     "inspect",
+    "interior_angles",
     "kind_names",
     "kind_words",
     "lean",

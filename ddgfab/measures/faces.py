@@ -126,3 +126,12 @@ def chebyshev_defect(mesh: Mesh) -> Floats:
             difference = np.abs(sides[:, :2] - sides[:, 2:]).max(axis=1)
             result[ids] = 100.0 * difference / sides.mean(axis=1)
     return result
+
+
+def interior_angles(mesh: Mesh) -> Floats:
+    """(C,) interior angles of the faces [rad], 0..2 pi: above pi at reflex corners."""
+    here = mesh.vertices[mesh.corners]
+    ahead = mesh.vertices[mesh.corners[mesh.corner_next]] - here
+    back = mesh.vertices[mesh.corners[mesh.corner_previous]] - here
+    side = np.einsum("cx,cx->c", np.cross(ahead, back), mesh.face_normals[mesh.corner_face])
+    return np.where(side < 0, 2 * np.pi - mesh.corner_angles, mesh.corner_angles)

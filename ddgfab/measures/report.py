@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ddgfab.measures.edges import dihedral_angles, torsion
-from ddgfab.measures.faces import chebyshev_defect, circular_defect, planarity, planarity_percent
+from ddgfab.measures.faces import (
+    chebyshev_defect,
+    circular_defect,
+    interior_angles,
+    planarity,
+    planarity_percent,
+)
 from ddgfab.measures.kinds import kind_names, kind_words
 from ddgfab.measures.vertices import conical_defect, star_defect
 from ddgfab.mesh import Floats, Ints, Mesh
@@ -155,7 +161,7 @@ def inspect(mesh: Mesh, *, unit: str = "mm", worst: int = 5) -> Report:
         ~mesh.boundary_edge,
     )
     names = kind_names(mesh)
-    angles = np.degrees(mesh.corner_angles)
+    angles = np.degrees(interior_angles(mesh))
     lengths = mesh.edge_lengths
     return Report(
         kind=kind_words(mesh, names),

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from ddgfab.measures import interior_angles
 from ddgfab.optimize.families import FamiliesResult, families
 from ddgfab.optimize.goals import Goal, optimize
 from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
-from ddgfab.optimize.quality import Quality, folded_faces, interior_angles, roughness
+from ddgfab.optimize.quality import Quality, folded_faces, roughness
 from ddgfab.optimize.recipes import Boundary, circularize, conicalize, planarize
 from ddgfab.optimize.result import OptimizeResult
 from ddgfab.optimize.solve import Solution, SolveOptions, Step, polish, solve

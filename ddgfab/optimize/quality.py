@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ddgfab.measures import dihedral_angles, planarity_percent
+from ddgfab.measures import dihedral_angles, interior_angles, planarity_percent
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
 from ddgfab.optimize.terms.shape import second_differences
@@ -52,15 +52,6 @@ def roughness(mesh: Mesh) -> float:
     if not len(bends):
         return 0.0
     return float(np.sqrt((bends**2).sum(axis=1).mean())) / mean_edge(mesh)
-
-
-def interior_angles(mesh: Mesh) -> Floats:
-    """(C,) interior angles of the faces [rad], 0..2 pi: above pi at reflex corners."""
-    here = mesh.vertices[mesh.corners]
-    ahead = mesh.vertices[mesh.corners[mesh.corner_next]] - here
-    back = mesh.vertices[mesh.corners[mesh.corner_previous]] - here
-    side = np.einsum("cx,cx->c", np.cross(ahead, back), mesh.face_normals[mesh.corner_face])
-    return np.where(side < 0, 2 * np.pi - mesh.corner_angles, mesh.corner_angles)
 
 
 def reflex_faces(mesh: Mesh) -> Ints:

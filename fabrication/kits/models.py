@@ -6,6 +6,7 @@ A key's unit is in its name: _mm millimetres, _deg degrees.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -221,6 +222,8 @@ def load_kit_project(
     values, text = read_toml(file)
     values = changed(values, changes)
     if "linkage" not in values:
+        if get_close_matches("linkage", values):  # misspelt: that is said with its line
+            sections_in(values, KitProject, str(file), text)
         raise ProjectError('a linkage needs [linkage] kind = "bennett", ...', file=str(file))
     return _kit_project(values, file, text)
 

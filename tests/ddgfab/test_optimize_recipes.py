@@ -10,7 +10,7 @@ import pytest
 
 from ddgfab.errors import InputError, OptimizeError
 from ddgfab.io import read_mesh
-from ddgfab.measures import circular_defect, conical_defect, planarity_percent
+from ddgfab.measures import circular_defect, conical_defect, inspect, planarity_percent
 from ddgfab.mesh import Mesh
 from ddgfab.nets.grid import grid_mesh
 from ddgfab.optimize import (
@@ -329,4 +329,7 @@ def test_a_bow_tie_is_folded_and_has_reflex_corners_elsewhere() -> None:
     dart = Mesh.build([[0, 0, 0], [2, 0, 0], [0.5, 0.5, 0], [0, 2, 0]], [[0, 1, 2, 3]])
     assert not len(folded_faces(dart))
     assert interior_angles(dart).max() > np.pi
+    assert inspect(dart).corner_angle_deg[1] == pytest.approx(
+        np.degrees(interior_angles(dart).max())
+    )
     np.testing.assert_allclose(interior_angles(dart).sum(), 2 * np.pi)

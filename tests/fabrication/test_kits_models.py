@@ -175,5 +175,8 @@ def test_missing_files_and_other_words(tmp_path: Path) -> None:
     (tmp_path / "roof.toml").write_text('[net]\nkind = "canopy"\n')
     with pytest.raises(ProjectError, match=r"needs \[linkage\]"):
         find_kit_project(str(tmp_path / "roof.toml"), {})
+    (tmp_path / "odd.toml").write_text('[linkge]\nkind = "cube"\n')
+    with pytest.raises(ProjectError, match=r"odd\.toml:1: \[linkge\] .*did you mean linkage"):
+        find_kit_project(str(tmp_path / "odd.toml"), {})
     with pytest.raises(InputError, match=r'"cubee" is neither a kind of linkage \(bennett, cube'):
         find_kit_project("cubee", {})
