@@ -8,6 +8,7 @@ from ddgfab.surfaces.ellipsoid import (
     ellipsoid_patch,
     ellipsoid_umbilics,
 )
+from ddgfab.surfaces.isothermic import smooth_dual, smooth_isothermic_residuals
 from ddgfab.surfaces.k_closed import (
     breather_lines,
     dini_lines,
@@ -64,7 +65,9 @@ __all__ = [
     "rotational_lines",
     "sine_gordon_defect",
     "smooth_catenoid",
+    "smooth_dual",
     "smooth_enneper",
+    "smooth_isothermic_residuals",
     "smooth_scherk_tower",
     "smooth_schwarz_p",
     "soliton",
