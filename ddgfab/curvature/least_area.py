@@ -125,10 +125,18 @@ def minimise_area(
 
 
 def held_vertices(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
+    """(V,) flags of the vertices that stay, by default the boundary's; some in each component.
+
+    Raises
+    ------
+    MeshError
+        Flags of the wrong shape, or a component without a fixed vertex; names a face of it.
+    """
     held = mesh.boundary_vertex if fixed is None else np.asarray(fixed)
     if held.shape != (mesh.n_vertices,) or held.dtype != np.bool_:
         raise MeshError(f"fixed: ({mesh.n_vertices},) flags are needed, not {held.shape}")
-    holding = np.bincount(mesh.components, np.maximum.reduceat(held[mesh.corners], _starts(mesh)))
+    touched = np.maximum.reduceat(held[mesh.corners], mesh.face_start[:-1])
+    holding = np.bincount(mesh.components, touched)
     loose = np.flatnonzero(holding == 0)
     if len(loose):
         face = int(np.argmax(mesh.components == loose[0]))
@@ -138,11 +146,8 @@ def held_vertices(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
     return held
 
 
-def _starts(mesh: Mesh) -> Ints:
-    return mesh.face_start[:-1]
-
-
 def dirichlet_step(mesh: Mesh, free: Ints, held: NDArray[np.bool_]) -> Mesh:
+    """The mesh of least Dirichlet energy over this one, with the held vertices where they are."""
     laplacian = cotangent_laplacian(mesh)[free]
     ends = np.flatnonzero(held)
     right = -laplacian[:, ends] @ mesh.vertices[ends]
