@@ -142,7 +142,7 @@ def _foot(part: Printed, bed: Bed) -> _Foot:
             motion[:3, 3] = -low
             return _Foot(motion, (float(size[0]), float(size[1])))
     long, wide = _extent(points)
-    land = " x ".join(f"{size:g}" for size in bed.land)
+    land = " x ".join(f"{max(size, 0.0):g}" for size in bed.land)
     raise InputError(
         f"{part.number} ({part.marks[0]}) lies on {long:.1f} x {wide:.1f} mm; a bed of {bed} with "
         f"a margin of {bed.margin:g} mm has room for {land} mm\n"
