@@ -54,9 +54,12 @@ def roughness(mesh: Mesh) -> float:
     return float(np.sqrt((bends**2).sum(axis=1).mean())) / mean_edge(mesh)
 
 
-def reflex_faces(mesh: Mesh) -> Ints:
-    """Faces that are not convex: one of their interior angles is above pi."""
-    found: Ints = np.unique(mesh.corner_face[interior_angles(mesh) > np.pi + _STRAIGHT])
+def reflex_faces(mesh: Mesh, vertices: Ints | None = None) -> Ints:
+    """Faces with an interior angle above pi, anywhere or at one of the vertices given."""
+    reflex = interior_angles(mesh) > np.pi + _STRAIGHT
+    if vertices is not None:
+        reflex &= np.isin(mesh.corners, vertices)
+    found: Ints = np.unique(mesh.corner_face[reflex])
     return found
 
 

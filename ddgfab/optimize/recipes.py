@@ -79,9 +79,7 @@ def _complaint(task: Task, best: Trial) -> str:
     lines = [words for term in task.hard if (words := missed_words(term, x, accepted))]
     if len(best.folded):
         names = ", ".join(map(str, best.folded[:_NAMED].tolist()))
-        bad = (
-            "fold, collapse or are not convex" if task.goal == "circularize" else "fold or collapse"
-        )
+        bad = "fold or collapse" if task.goal == "planarize" else "fold, collapse or are not convex"
         lines.append(f"{len(best.folded)} faces {bad}: {names}")
     held = len(task.fixed)
     way = (

@@ -21,6 +21,7 @@ from ddgfab.optimize.problem import Problem, Term
 from ddgfab.optimize.quality import Quality, folded_faces, reflex_faces, roughness
 from ddgfab.optimize.solve import Progress, Solution, SolveOptions, Step, polish, solve
 from ddgfab.optimize.terms import closeness, fairness, on_surface
+from ddgfab.optimize.terms.angles import AngleSums
 
 StageProgress = Callable[[str, int, Step], None]
 """Called with the name of a stage, the number of a step and the step."""
@@ -210,11 +211,15 @@ def _judge(task: Task, mesh: Mesh, before: Quality, history: tuple[tuple[str, St
 
 
 def crooked_faces(mesh: Mesh, hard: tuple[Term, ...]) -> Ints:
-    """Faces with reflex corners where corners are to lie on circles: none goes through these, and
-    sums of angles between 0 and pi do not see it."""
-    if any(term.name == "circularity" for term in hard):
-        return reflex_faces(mesh)
-    return np.empty(0, dtype=np.int64)
+    """Faces with reflex corners where angles are summed: on circles, and round the vertices of
+    cones. Sums of angles between 0 and pi do not see them, and would take crooked nets for good."""
+    crooked = [np.empty(0, dtype=np.int64)]
+    for term in hard:
+        if term.name == "circularity":
+            crooked.append(reflex_faces(mesh))
+        elif isinstance(term, AngleSums):
+            crooked.append(reflex_faces(mesh, term.elements))
+    return np.unique(np.concatenate(crooked))
 
 
 _ON_SURFACE = 0.1

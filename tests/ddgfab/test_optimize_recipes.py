@@ -26,7 +26,8 @@ from ddgfab.optimize import (
     roughness,
 )
 from ddgfab.optimize.quality import reflex_faces
-from ddgfab.optimize.terms import circularity_terms, on_surface
+from ddgfab.optimize.terms import circularity_terms, conicality_terms, on_surface
+from ddgfab.optimize.trials import crooked_faces
 
 PLANAR = 1e-10
 """What the issue asks for: distance of diagonals over their mean."""
@@ -333,3 +334,15 @@ def test_a_bow_tie_is_folded_and_has_reflex_corners_elsewhere() -> None:
         np.degrees(interior_angles(dart).max())
     )
     np.testing.assert_allclose(interior_angles(dart).sum(), 2 * np.pi)
+
+
+def test_reflex_corners_count_where_angles_are_summed_for_cones() -> None:
+    u, v = np.meshgrid(np.arange(3.0), np.arange(3.0), indexing="ij")
+    flat = np.stack([u, v, 0 * u], axis=-1)
+    centre, rim = flat.copy(), flat.copy()
+    centre[1, 1] = [0.3, 0.3, 0.0]  # beyond the diagonal of its first face: reflex there
+    rim[0, 1] = [0.6, 1.0, 0.0]  # a dent in the boundary: reflex at a vertex without a cone
+    rim[0, 0], rim[0, 2] = [-0.5, 0.0, 0.0], [-0.5, 2.0, 0.0]
+    for points, expected in ((flat, []), (centre, [0]), (rim, [])):
+        mesh = grid_mesh(points)
+        assert crooked_faces(mesh, conicality_terms(mesh)).tolist() == expected
