@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
     [
         ("01_canopy.py", "SupportStructure(normal"),
         ("02_support_structure.py", "Prop. 5.2"),
-        ("06_curvatures.py", "1.97"),
+        ("06_curvatures.py", "cotangent, angles"),
         ("07_minimal_surface.py", "edge offset: distance of vertex"),
     ],
 )
