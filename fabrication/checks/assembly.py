@@ -114,7 +114,7 @@ def examine_assembly(
     needed = limits[role[pairs[:, 0]], role[pairs[:, 1]]]
     gaps = separations(supports, owner, placements, pairs, needed)
     rest = np.flatnonzero(gaps < needed - tolerance)
-    bodies = _Bodies([meshes[family.number] for family in families], [f.number for f in families])
+    bodies = Bodies([meshes[family.number] for family in families], [f.number for f in families])
     for pair in rest:
         a, b = pairs[pair]
         gaps[pair] = bodies.gap(
@@ -147,11 +147,11 @@ def _least(
     return least
 
 
-class _Bodies:
-    """manifold3d bodies of the part numbers, each made when first asked for."""
+class Bodies:
+    """manifold3d bodies of meshes, each made when first asked for; `names` are for messages."""
 
-    def __init__(self, meshes: Sequence[TriangleMesh], numbers: Sequence[str]) -> None:
-        self._meshes, self._numbers = meshes, numbers
+    def __init__(self, meshes: Sequence[TriangleMesh], names: Sequence[str]) -> None:
+        self._meshes, self._names = meshes, names
         self._made: dict[int, Any] = {}
 
     def _body(self, number: int) -> Any:
@@ -159,21 +159,24 @@ class _Bodies:
             body = to_manifold(self._meshes[number])
             if body.status().name != "NoError":
                 raise KernelError(
-                    f"{self._numbers[number]}: its mesh is no closed manifold "
+                    f"{self._names[number]}: its mesh is no closed manifold "
                     f"({body.status().name}), so its clearances cannot be checked"
                 )
             self._made[number] = body
         return self._made[number]
 
+    def pair(self, a: int, b: int, at_a: Floats, at_b: Floats) -> tuple[Any, Any]:
+        """Two placed bodies, the second in the frame of the first, where numbers are small."""
+        motion = np.linalg.inv(at_a) @ at_b
+        return self._body(a), self._body(b).transform(motion[:3])
+
     def gap(self, a: int, b: int, at_a: Floats, at_b: Floats, search: float) -> float:
         """Distance [mm] up to `search`; below zero the depth of the penetration.
 
-        The second body is moved into the frame of the first, where numbers are small. The depth is
-        that of a slab with the volume and surface of the intersection: 2 volume / surface, exact
-        for a thin one and less than the true depth for a thick one.
+        The depth is that of a slab with the volume and surface of the intersection: 2 volume /
+        surface, exact for a thin one and less than the true depth for a thick one.
         """
-        motion = np.linalg.inv(at_a) @ at_b
-        first, second = self._body(a), self._body(b).transform(motion[:3])
+        first, second = self.pair(a, b, at_a, at_b)
         gap = float(first.min_gap(second, search))
         if gap > 0:
             return gap

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ddgfab.errors import DetailError, KernelError
+from ddgfab.errors import DetailError
 from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Floats, Ints
-from fabrication.checks.mesh import to_manifold
+from fabrication.checks.assembly import Bodies
 from fabrication.checks.nearness import Supports, near_pairs, separations
 from fabrication.linkage.capsules import Body
 from fabrication.linkage.motion import JOINT_CLEARANCE, FreeMotion
@@ -168,29 +168,16 @@ class _Shop:
         number: dict[int, int] = {}
         self.owner: Ints = np.array([number.setdefault(id(mesh), len(number)) for mesh in meshes])
         first = [int(np.argmax(self.owner == k)) for k in range(len(number))]
-        self._meshes = [meshes[k] for k in first]
-        self._marks = [marks[k] for k in first]
-        self.supports = Supports.build(self._meshes)
-        self._made: dict[int, Any] = {}
-
-    def _body(self, number: int) -> Any:
-        if number not in self._made:
-            body = to_manifold(self._meshes[number])
-            if body.status().name != "NoError":
-                raise KernelError(
-                    f"{self._marks[number]}: its mesh is no closed manifold "
-                    f"({body.status().name}), so its motion cannot be confirmed"
-                )
-            self._made[number] = body
-        return self._made[number]
+        distinct = [meshes[k] for k in first]
+        self.supports = Supports.build(distinct)
+        self._bodies = Bodies(distinct, [marks[k] for k in first])
 
     def measure(
         self, a: int, b: int, at_a: Floats, at_b: Floats, search: float
     ) -> tuple[float, float]:
         """Gap [mm], searched up to `search`, and common volume [mm3] of two placed parts."""
-        motion = np.linalg.inv(at_a) @ at_b
-        first = self._body(int(self.owner[a]))
-        second = self._body(int(self.owner[b])).transform(motion[:3])
+        own = int(self.owner[a]), int(self.owner[b])
+        first, second = self._bodies.pair(*own, at_a, at_b)
         gap = float(first.min_gap(second, search))
         if gap > 0:
             return gap, 0.0
