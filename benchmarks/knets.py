@@ -74,7 +74,7 @@ def loop_transform(net: KNet, other: KNet) -> Grids:
 
 
 def loop_numpy(net: KNet) -> Floats:
-    """The same in numpy as one writes it down from maths.md 3.4."""
+    """The same in numpy as one writes it down from mathematics.md 3.4."""
     m, x = net.m.copy(), net.points.copy()
     for i in range(1, len(m)):
         for j in range(1, m.shape[1]):

@@ -35,7 +35,7 @@ def data(cells: int) -> tuple[Floats, Floats, Floats]:
 
 
 def loop_evolve(first: Floats, second: Floats, angles: Floats) -> Floats:
-    """The same net, quad by quad, in numpy as one writes it down from maths.md 2.3."""
+    """The same net, quad by quad, in numpy as one writes it down from mathematics.md 2.3."""
     net = np.empty((len(first), len(second), 3))
     net[:, 0], net[0] = first, second
     for i in range(len(first) - 1):

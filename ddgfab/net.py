@@ -1,7 +1,7 @@
 """Net: points on a box of Z^d in R^n, with shifts, differences, sub-nets, and quads as a mesh.
 
 x_k is the net one step forward in direction k: a shorter array, or one as long where the direction
-is closed. Source: Bobenko, Suris, Discrete Differential Geometry, 2.1; maths.md 0, 1.1.
+is closed. Source: Bobenko, Suris, Discrete Differential Geometry, 2.1; mathematics.md 0, 1.1.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def shift(values: ArrayLike, axis: int, step: int = 1, *, periodic: bool = False
     InputError
         As many steps as there are points, or more, in a direction that is not periodic.
 
-    Source: maths.md 1.1.
+    Source: mathematics.md 1.1.
     """
     array = np.asarray(values, dtype=np.float64)
     if periodic:

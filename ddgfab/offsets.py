@@ -74,7 +74,7 @@ def classify_offset(mesh: Mesh, other: Mesh | ArrayLike) -> OffsetReport:
     MeshError
         Another number of vertices.
 
-    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3; maths.md 10.7.
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3; mathematics.md 10.7.
     """
     moved = other.vertices if isinstance(other, Mesh) else np.asarray(other, dtype=np.float64)
     if moved.shape != mesh.vertices.shape:
@@ -108,7 +108,7 @@ def vertex_offset(mesh: Mesh, distance: float) -> Mesh:
     DegenerateError
         The mesh is not circular (or a hole in it turns normals round): names the worst edge.
 
-    Source: maths.md 2.7, 10.6.
+    Source: mathematics.md 2.7, 10.6.
     """
     axes = reflected_axes(mesh)
     _refuse(mesh, axes, "vertex", "circular")
@@ -125,7 +125,8 @@ def face_offset(mesh: Mesh, distance: float) -> Mesh:
     DegenerateError
         The mesh is not conical: names the worst edge.
 
-    Source: v' = v + d axis / <axis, N>; Liu, Pottmann, Wallner, Yang, Wang 2006; maths.md 10.6.
+    Source: v' = v + d axis / <axis, N>; Liu, Pottmann, Wallner, Yang, Wang 2006; mathematics.md
+    10.6.
     """
     field = cone_field(mesh)
     _refuse(mesh, field, "face", "conical")
@@ -143,7 +144,7 @@ def edge_offset(mesh: Mesh, distance: float) -> Mesh:
         The mesh is not parallel to a Koebe net (names the worst edge), or a vertex has too few
         edges to tell.
 
-    Source: v' = v + d k_v; maths.md 10.6.
+    Source: v' = v + d k_v; mathematics.md 10.6.
     """
     field = koebe_field(mesh)
     return mesh.with_vertices(mesh.vertices + distance * field)

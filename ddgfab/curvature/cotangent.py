@@ -1,8 +1,8 @@
 """The area of triangle meshes: its gradient, mean curvature vectors, angle defects.
 
 grad_i A = 1/2 sum_j (cot a_ij + cot b_ij)(x_i - x_j), with the angles opposite to edge ij.
-Source: Pinkall, Polthier 1993, Computing discrete minimal surfaces and their conjugates; maths.md
-8.4.
+Source: Pinkall, Polthier 1993, Computing discrete minimal surfaces and their conjugates;
+mathematics.md 8.4.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def corner_cotangents(mesh: Mesh, vertices: ArrayLike | None = None) -> Floats:
     DegenerateError
         A triangle without area; names it.
 
-    Source: maths.md 8.4.
+    Source: mathematics.md 8.4.
     """
     ids = triangles_of(mesh)
     p = (mesh if vertices is None else mesh.with_vertices(vertices)).vertices[ids]
@@ -92,7 +92,7 @@ def cotangent_laplacian(mesh: Mesh, vertices: ArrayLike | None = None) -> csr_ar
     MeshError, DegenerateError
         As `corner_cotangents`.
 
-    Source: maths.md 8.4.
+    Source: mathematics.md 8.4.
     """
     ids = triangles_of(mesh)
     half = 0.5 * corner_cotangents(mesh, vertices)
@@ -107,7 +107,7 @@ def cotangent_laplacian(mesh: Mesh, vertices: ArrayLike | None = None) -> csr_ar
 def area_gradient(mesh: Mesh) -> Floats:
     """(V, 3) gradient of the area by the vertices; zero inside a discrete minimal surface.
 
-    Source: maths.md 8.4.
+    Source: mathematics.md 8.4.
     """
     return np.asarray(cotangent_laplacian(mesh) @ mesh.vertices)
 
@@ -141,7 +141,7 @@ def mean_curvature_vectors(mesh: Mesh) -> Floats:
     On a sphere of radius R they point outward with length 2 / R. At boundary vertices they hold
     the boundary's pull too and are no curvature.
 
-    Source: maths.md 8.4; Meyer, Desbrun, Schroeder, Barr 2003.
+    Source: mathematics.md 8.4; Meyer, Desbrun, Schroeder, Barr 2003.
     """
     area = mixed_vertex_areas(mesh)
     gradient = area_gradient(mesh)
@@ -154,7 +154,7 @@ def mean_curvature_vectors(mesh: Mesh) -> Floats:
 def cotangent_mean_curvature(mesh: Mesh) -> Floats:
     """(V,) mean curvature with the sign of `steiner_curvatures`; nan at the boundary.
 
-    Source: maths.md 8.4.
+    Source: mathematics.md 8.4.
     """
     h = -0.5 * np.einsum("vi,vi->v", mean_curvature_vectors(mesh), mesh.vertex_normals)
     return np.where(mesh.boundary_vertex, np.nan, h)
@@ -165,7 +165,7 @@ def angle_defects(mesh: Mesh) -> Floats:
 
     Their sum is 2 pi times the Euler characteristic (Gauss and Bonnet).
 
-    Source: Bobenko, Suris; maths.md 8.4.
+    Source: Bobenko, Suris; mathematics.md 8.4.
     """
     angle = np.arctan2(1.0, corner_cotangents(mesh))
     total = np.zeros(mesh.n_vertices)

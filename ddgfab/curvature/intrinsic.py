@@ -1,4 +1,4 @@
-"""Gauss curvature from the first fundamental form alone: Brioschi's formula. maths.md 5.1."""
+"""Gauss curvature from the first fundamental form alone: Brioschi's formula. mathematics.md 5.1."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def brioschi(jet: MetricJet) -> Floats:
         E G - F^2 zero or negative: no surface is immersed there; names the place and the value.
         Derivatives that are not finite.
 
-    Source: Brioschi 1852; maths.md 5.1.
+    Source: Brioschi 1852; mathematics.md 5.1.
     """
     e, f, g = jet.e, jet.f, jet.g
     zero = np.zeros_like(e)

@@ -1,7 +1,7 @@
 """Triangle meshes of least area with a fixed boundary, and their associated families.
 
 Source: Pinkall, Polthier 1993; Polthier 2002, Computational aspects of discrete minimal surfaces;
-maths.md 8.4.
+mathematics.md 8.4.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def minimise_area(
         A triangle that collapses (the boundary spans no such surface; a neck pinches off), or no
         convergence; names the triangle, or the vertex and the gradient left there.
 
-    Source: maths.md 8.4.
+    Source: mathematics.md 8.4.
     """
     triangles_of(mesh)
     held = held_vertices(mesh, fixed)

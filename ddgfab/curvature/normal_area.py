@@ -3,7 +3,7 @@
 Over all moves of its vertices the area of most triangle meshes has no minimum: vertices slide in
 the surface until triangles vanish. Along normals it has one near the smooth minimal surface, and
 Newton's method finds it.
-Source: Brakke 1992, The Surface Evolver (hessian_normal); maths.md 8.4.
+Source: Brakke 1992, The Surface Evolver (hessian_normal); mathematics.md 8.4.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def minimise_area_along_normals(
         A triangle that collapses, or no convergence; names the triangle, or the vertex and the
         gradient left there.
 
-    Source: Brakke 1992; maths.md 8.4.
+    Source: Brakke 1992; mathematics.md 8.4.
     """
     triangles_of(mesh)
     held = held_vertices(mesh, fixed)

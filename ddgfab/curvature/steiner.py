@@ -2,7 +2,7 @@
 
 A(f + t sigma) = A(f) + 2 t A(f, sigma) + t^2 A(sigma) = A(f) (1 - 2 H t + K t^2).
 Source: Bobenko, Pottmann, Wallner 2010, A curvature theory for discrete surfaces based on mesh
-parallelity; maths.md 8.2.
+parallelity; mathematics.md 8.2.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def steiner_curvatures(mesh: Mesh, gauss_image: ArrayLike) -> Curvatures:
     DegenerateError
         A face without area; names it.
 
-    Source: maths.md 8.2 (with K = +A(sigma) / A(f), as Steiner's formula says).
+    Source: mathematics.md 8.2 (with K = +A(sigma) / A(f), as Steiner's formula says).
     """
     sigma = np.asarray(gauss_image, dtype=np.float64)
     if sigma.shape != mesh.vertices.shape:

@@ -1,6 +1,6 @@
 """The Bennett isogram: four bars a, b, a, b with twists alpha, beta, alpha, beta.
 
-Source: Bennett 1903; Bobenko, Pinkall 1996; maths.md 3.6, 3.7, 4.1.
+Source: Bennett 1903; Bobenko, Pinkall 1996; mathematics.md 3.6, 3.7, 4.1.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def bennett(
         Lengths that are not positive, twists outside (0, pi), ratios that differ by more than
         1e-9, alpha = beta (the loop only folds), neither b nor beta, a driver outside (0, 2 pi).
 
-    Source: maths.md 4.1.
+    Source: mathematics.md 4.1.
     """
     a, alpha = positive_length(a, "a"), proper_twist(alpha, "alpha")
     r = a / np.sin(alpha)

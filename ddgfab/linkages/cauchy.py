@@ -2,7 +2,7 @@
 
 The same half-turn evolution as `ddgfab.nets.knet_evolve`, with a leading axis over poses, Cauchy
 data on the two (or three) coordinate lines through any vertex, and no operation that is not
-analytic: complex parameters give exact derivatives (complex step). Source: maths.md 3.4, 3.5.
+analytic: complex parameters give exact derivatives (complex step). Source: mathematics.md 3.4, 3.5.
 """
 
 from __future__ import annotations

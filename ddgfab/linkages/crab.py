@@ -1,6 +1,6 @@
 """Closed rotational K-nets as mechanisms: baskets of 2 N bars a level that open symmetrically.
 
-Source: maths.md 3.13, 4.5, 11.
+Source: mathematics.md 3.13, 4.5, 11.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def crab_mechanism(net: CrabNet, *, scale_mm: float = 1.0) -> Mechanism:
     DegenerateError
         theta_0 at the end of what the bars allow.
 
-    Source: maths.md 3.13, 4.5.
+    Source: mathematics.md 3.13, 4.5.
     """
     if net.rings < 3:
         raise InputError(f"{net!r} has no isograms; three rings are needed")

@@ -1,7 +1,7 @@
 """Proven bounds on the motion of closed rotational K-nets.
 
 theta_1(theta_0) and theta_k+1 = f(theta_k) - theta_k-1 as Taylor models; radii and heights are sums
-of sines of theta_k +- theta_k+1. Source: maths.md 3.13.
+of sines of theta_k +- theta_k+1. Source: mathematics.md 3.13.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The 12-bar cube: the elementary cell of a 3-dimensional K-net, six Bennett isograms at once.
 
-Source: Bobenko, Suris, Discrete Differential Geometry, 4.2; maths.md 3.4, 4.3.
+Source: Bobenko, Suris, Discrete Differential Geometry, 4.2; mathematics.md 3.4, 4.3.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def cube(
         Lengths, twists or ratios that make no linkage, two equal twists (isograms between these
         directions only fold), rates that are both zero.
 
-    Source: maths.md 4.3 (mobility 2).
+    Source: mathematics.md 4.3 (mobility 2).
     """
     sizes = [positive_length(v, f"length {k}") for k, v in enumerate(lengths)]
     angles = [proper_twist(v, f"twist {k}") for k, v in enumerate(twists)]

@@ -1,6 +1,6 @@
 """Deform a K-net with fixed bars: the turns and the corner angles are free.
 
-Source: maths.md 4.4; Bobenko, Pinkall 1996.
+Source: mathematics.md 4.4; Bobenko, Pinkall 1996.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def flex(knet: KNet, dturns: Sequence[ArrayLike], dcorner: ArrayLike) -> KNet:
     InputError
         Changes that do not fit the net or are not finite; names the direction.
 
-    Source: maths.md 4.4, rebuilt by 3.5 with the same deltas.
+    Source: mathematics.md 4.4, rebuilt by 3.5 with the same deltas.
     """
     data = knet.cauchy()
     if len(dturns) != knet.d:

@@ -1,6 +1,6 @@
 """Frames of bars and their exact derivatives.
 
-Source: maths.md 11 (boss frames); complex-step differentiation.
+Source: mathematics.md 11 (boss frames); complex-step differentiation.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Linkages whose hinges are the vertices of a K-net on a box: bars, isograms, and their motion.
 
 The motion turns the Cauchy data along the lines through one vertex, the anchor, linearly in the
-driving angle; the net follows by half-turns. Source: maths.md 3.5, 4.3, 4.4.
+driving angle; the net follows by half-turns. Source: mathematics.md 3.5, 4.3, 4.4.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The ratio of a K-net from lengths and twists of bars: r = a / sin(alpha), checked.
 
-Source: maths.md 3.5, 3.6, 4.1.
+Source: mathematics.md 3.5, 3.6, 4.1.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Mechanism: hinges and rigid bars that move with one driving angle; poses, placements, speeds.
 
 A vertex of a K-net is a hinge, its normal the hinge's axis; an edge is a bar, which carries two
-hinge axes perpendicular to it. Source: maths.md 4, 11; Bobenko, Pinkall 1996; Wunderlich 1951.
+hinge axes perpendicular to it. Source: mathematics.md 4, 11; Bobenko, Pinkall 1996; Wunderlich
+1951.
 """
 
 from __future__ import annotations

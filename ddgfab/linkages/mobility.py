@@ -1,6 +1,6 @@
 """Mobility of linkages by the rank of their Jacobian.
 
-Source: maths.md 4.2, 4.3.
+Source: mathematics.md 4.2, 4.3.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def linkage_jacobian(bars: Ints, pose: Pose) -> Floats:
     Rows: per bar |e|^2 / 2, <n, n'>, <e, n>, <e, n'>, per hinge |n|^2 / 2; columns: points, then
     axes. Lengths are scaled by the mean bar, so that singular values compare.
 
-    Source: maths.md 4.2.
+    Source: mathematics.md 4.2.
     """
     i, j = bars.T
     count, v = len(bars), len(pose.points)
@@ -77,7 +77,7 @@ def mobility(bars: ArrayLike, pose: Pose) -> int:
     DegenerateError
         The singular values of a step show no gap, so the rank is not determined; names the hinge.
 
-    Source: maths.md 4.2, 4.3.
+    Source: mathematics.md 4.2, 4.3.
     """
     ids = _checked(np.asarray(bars), pose)
     size = np.linalg.norm(pose.points[ids[:, 1]] - pose.points[ids[:, 0]], axis=1)

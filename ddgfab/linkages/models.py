@@ -3,7 +3,7 @@
 A model says: on the complex disc |s| <= R around the middle of an interval an analytic function is
 its value at the middle plus sum_j p_j s^j plus a rest of modulus r at most. Derivatives of the rest
 on the real interval |s| <= h < R follow from Cauchy's estimates. Bounds are proven up to the
-rounding of float64. Source: the closing angle of an isogram is that of maths.md 3.7.
+rounding of float64. Source: the closing angle of an isogram is that of mathematics.md 3.7.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Angles between bars spread from the anchor: at a hinge all of them add up, across an isogram each is
 the closing function of the next; both for `Model`s, so nothing is sampled. Bars turn about
 hinges of bars that are known: |omega'| of the next bar <= |omega'| + |angle''| + |angle'| |omega|.
-Source: maths.md 3.7; the chain of angular velocities of rigid bodies.
+Source: mathematics.md 3.7; the chain of angular velocities of rigid bodies.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Whole K-nets as mechanisms: m x n Bennett isograms, m + n - 1 degrees of freedom, one path.
 
-Source: maths.md 3.5, 4.3, 4.4, 11.
+Source: mathematics.md 3.5, 4.3, 4.4, 11.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def knet_mechanism(
     DegenerateError
         A folded isogram in the design pose: mobility is singular there.
 
-    Source: maths.md 4.3, 4.4.
+    Source: mathematics.md 4.3, 4.4.
     """
     if knet.d != 2:
         raise InputError(f"{knet!r} has {knet.d} directions; a linkage of a net needs two")

@@ -23,7 +23,7 @@ def oriented_areas(mesh: Mesh, vertices: ArrayLike | None = None) -> Floats:
     MeshError
         Vertices of the wrong shape.
 
-    Source: maths.md 8.1; Bobenko, Pottmann, Wallner 2010.
+    Source: mathematics.md 8.1; Bobenko, Pottmann, Wallner 2010.
     """
     other = mesh if vertices is None else mesh.with_vertices(vertices)
     return np.asarray(np.einsum("fx,fx->f", mesh.face_normals, other.vector_areas))
@@ -45,7 +45,7 @@ def mixed_areas(mesh: Mesh, first: ArrayLike, second: ArrayLike) -> Floats:
     MeshError
         Vertices of the wrong shape.
 
-    Source: maths.md 8.1.
+    Source: mathematics.md 8.1.
     """
     a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
     if a.shape != b.shape or a.shape != mesh.vertices.shape:

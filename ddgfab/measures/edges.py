@@ -42,7 +42,7 @@ def torsion(mesh: Mesh, axes: ArrayLike) -> Floats:
         Axes of the wrong shape, or not finite.
 
     Source: support structures, Def. 5.1 (Pottmann, Liu, Wallner, Bobenko, Wang 2007);
-    maths.md 10.2 `twist`. With unit e, (e x a) x (e x b) = e det(e, a, b).
+    mathematics.md 10.2 `twist`. With unit e, (e x a) x (e x b) = e det(e, a, b).
     """
     lines = _axes(mesh, axes)
     along = unit(mesh.edge_vectors)

@@ -34,7 +34,7 @@ def planarity(mesh: Mesh) -> Floats:
     -------
     (F,) in the unit of the vertices
 
-    Source: fabrication.md, Panel; the plane through the centroid along the last right singular
+    Source: docs/parts.md, Panel; the plane through the centroid along the last right singular
     vector.
     """
     result = np.zeros(mesh.n_faces)
@@ -55,7 +55,7 @@ def planarity_percent(mesh: Mesh) -> Floats:
     -------
     (F,) [%]
 
-    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3; maths.md 1.3.
+    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3; mathematics.md 1.3.
     """
     result = np.zeros(mesh.n_faces)
     for ids, points in _by_size(mesh):
@@ -117,7 +117,7 @@ def chebyshev_defect(mesh: Mesh) -> Floats:
     -------
     (F,) [%]
 
-    Source: maths.md 3.6 and 3.10; Wunderlich 1951.
+    Source: mathematics.md 3.6 and 3.10; Wunderlich 1951.
     """
     result = np.zeros(mesh.n_faces)
     for ids, points in _by_size(mesh):

@@ -32,7 +32,7 @@ def conical_defect(mesh: Mesh) -> Floats:
     (V,) [rad]
 
     Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; Wang, Wallner, Liu 2007, theorem
-    on angle sums; maths.md 2.9.
+    on angle sums; mathematics.md 2.9.
     """
     result = np.zeros(mesh.n_vertices)
     inner = np.where(mesh.boundary_vertex, 0, mesh.valences)
@@ -61,7 +61,7 @@ def star_defect(mesh: Mesh) -> Floats:
     -------
     (V,) [rad]
 
-    Source: maths.md 3.1; Bobenko, Suris, Discrete Differential Geometry, 2.4.
+    Source: mathematics.md 3.1; Bobenko, Suris, Discrete Differential Geometry, 2.4.
     """
     result = np.zeros(mesh.n_vertices)
     for valence in np.unique(mesh.valences[mesh.valences > 2]).tolist():

@@ -3,7 +3,7 @@
 Nets of asymptotic lines. A field L with Delta_k x = L_k x L for every direction k is normal to the
 net and fulfils the Moutard equation L_12 - L = a (L_2 - L_1); the net and its field, up to the
 factor s on even and 1 / s on odd vertices, determine each other. Source: Bobenko, Suris, Discrete
-Differential Geometry, 2.4; maths.md 3.1, 3.2.
+Differential Geometry, 2.4; mathematics.md 3.1, 3.2.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def star_flatness(points: ArrayLike, periodic: Sequence[bool] | None = None) -> 
     DegenerateError
         An edge of no length; names direction and vertex.
 
-    Source: maths.md 3.1.
+    Source: mathematics.md 3.1.
     """
     return np.asarray(np.linalg.svd(star_edges(points, periodic), compute_uv=False)[..., 2])
 
@@ -96,7 +96,7 @@ def tangent_normals(points: ArrayLike, periodic: Sequence[bool] | None = None) -
     DegenerateError
         A vertex whose edges are parallel to each other, an edge of no length; names it.
 
-    Source: maths.md 3.1.
+    Source: mathematics.md 3.1.
     """
     stars = star_edges(points, periodic)
     _, values, rows = np.linalg.svd(stars)
@@ -130,7 +130,7 @@ def lelieuvre(points: ArrayLike, scale: float = 1.0, *, limit: float = NET_INPUT
     DegenerateError
         An edge of no length, edges all parallel at a vertex, normals parallel along an edge.
 
-    Source: maths.md 3.2.
+    Source: mathematics.md 3.2.
     """
     x = net_points(points, 3)
     if not (np.isfinite(scale) and scale != 0):
@@ -187,7 +187,7 @@ def anet_from_moutard(
     InputError
         No T-net, so quads do not close: names the quad and how much it misses.
 
-    Source: maths.md 3.2.
+    Source: mathematics.md 3.2.
     """
     L = net_points(field, 3)
     start = np.array(origin, dtype=np.float64)

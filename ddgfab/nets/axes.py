@@ -1,7 +1,7 @@
 """Axes of the circles of a circular net, their discrete developables, and vertex normals.
 
-Source: Bobenko, Suris, Discrete Differential Geometry, 3.1; Pottmann, Wallner 2008; maths.md 2.5,
-2.7.
+Source: Bobenko, Suris, Discrete Differential Geometry, 3.1; Pottmann, Wallner 2008; mathematics.md
+2.5, 2.7.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def circle_axes(points: ArrayLike) -> tuple[Floats, Floats]:
     DegenerateError
         Three corners on a line or parallel diagonals; names the quad.
 
-    Source: maths.md 2.5.
+    Source: mathematics.md 2.5.
     """
 
     def kernel(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -> Floats:
@@ -78,7 +78,7 @@ def axis_intersections(
     DegenerateError
         A direction that is zero; names its index.
 
-    Source: maths.md 2.5.
+    Source: mathematics.md 2.5.
     """
     c, n = np.asarray(centres, dtype=np.float64), np.asarray(directions, dtype=np.float64)
     if c.ndim < 2 or c.shape[-1] != 3 or n.shape != c.shape or c.shape[-2] < 2:
@@ -128,7 +128,7 @@ def vertex_normals(points: ArrayLike, first: ArrayLike) -> Floats:
     DegenerateError
         An edge of no length; names its first point.
 
-    Source: maths.md 2.7.
+    Source: mathematics.md 2.7.
     """
     x = net_points(points, 3)
     start = np.asarray(first, dtype=np.float64)

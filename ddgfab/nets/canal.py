@@ -82,7 +82,7 @@ def canal_net(
         names the sphere.
 
     Source: inversions swapping cospherical circles; Bobenko, Suris, Discrete Differential
-    Geometry, 3.1; maths.md 2.1.
+    Geometry, 3.1; mathematics.md 2.1.
     """
     m, r = np.asarray(centres, dtype=np.float64), np.asarray(radii, dtype=np.float64)
     middle, radius, normal = canal_circles(m, r)

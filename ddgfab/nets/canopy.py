@@ -57,8 +57,8 @@ def canopy(
     DegenerateError
         A bend so sharp that a panel folds over; names it.
 
-    Source: monge surfaces by reflection and vertex normals, maths.md 2.7; Moebius invariance of
-    circular nets, Bobenko and Suris, Discrete Differential Geometry, 3.1.
+    Source: monge surfaces by reflection and vertex normals, mathematics.md 2.7; Moebius invariance
+    of circular nets, Bobenko and Suris, Discrete Differential Geometry, 3.1.
     """
     net = canopy_net(
         panels_along,

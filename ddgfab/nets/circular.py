@@ -1,6 +1,7 @@
 """Circular nets: every quad has a circumcircle; measures, and evolution in two directions.
 
-Source: Bobenko, Suris, Discrete Differential Geometry, 3.1; maths.md 2.1-2.3. For three and more
+Source: Bobenko, Suris, Discrete Differential Geometry, 3.1; mathematics.md 2.1-2.3. For three and
+more
 directions see `miquel`, for cross-ratios `crossratio`, for the circles' axes and the normals at
 the vertices `axes`.
 """
@@ -32,7 +33,7 @@ def circumcircle(p: ArrayLike, q: ArrayLike, r: ArrayLike) -> tuple[Floats, Floa
     DegenerateError
         Three points on a line; names their index.
 
-    Source: maths.md 2.1.
+    Source: mathematics.md 2.1.
     """
     first, second, third = columns(p, q, r)
     if len(first) != 3:
@@ -54,7 +55,7 @@ def circularity(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     """Distance of the fourth point of each quad from the circle of the others, by radius.
 
     The larger of the distances from its sphere and from its plane. Zero for all quads: a circular
-    net (maths.md 2.1).
+    net (mathematics.md 2.1).
 
     Parameters
     ----------
@@ -158,7 +159,7 @@ def fourth_by_t(
         Corners on a line, t = 0 or 1 (the fourth point falls on x1 or x2), and with `convex`
         t outside 0..1; names the index.
 
-    Source: maths.md 2.3 (i).
+    Source: mathematics.md 2.3 (i).
     """
     p, p1, p2, data = columns(x, x1, x2, np.asarray(t, dtype=np.float64)[..., None])
     return np.moveaxis(_t_rule(p, p1, p2, data[0], Place(), convex), 0, -1)
@@ -196,7 +197,7 @@ def fourth_by_angle(
         Corners on a line, a fourth point that falls on x1 or x2, and with `convex` an angle that
         gives a quad which is not; names the index.
 
-    Source: maths.md 2.3 (ii).
+    Source: mathematics.md 2.3 (ii).
     """
     p, p1, p2, data = columns(x, x1, x2, np.asarray(angle, dtype=np.float64)[..., None])
     return np.moveaxis(_angle_rule(p, p1, p2, data[0], Place(), convex), 0, -1)
@@ -245,7 +246,7 @@ def evolve_by_angles(
     DegenerateError
         As `fourth_by_angle`; names the cell.
 
-    Source: maths.md 2.3.
+    Source: mathematics.md 2.3.
     """
 
     def rule(x: Floats, x1: Floats, x2: Floats, theta: Floats, place: Place) -> Floats:
@@ -277,7 +278,7 @@ def evolve_by_cross_ratio(
     DegenerateError
         q = 1, and as `fourth_by_t`; names the cell.
 
-    Source: maths.md 2.2, 2.3.
+    Source: mathematics.md 2.2, 2.3.
     """
 
     def rule(x: Floats, x1: Floats, x2: Floats, q: Floats, place: Place) -> Floats:

@@ -28,7 +28,7 @@ def face_normals(points: ArrayLike) -> Floats:
     DegenerateError
         Parallel diagonals; names the quad and the sine.
 
-    Source: maths.md 1.3.
+    Source: mathematics.md 1.3.
     """
     x = _net(points)
     first, second = x[1:, 1:] - x[:-1, :-1], x[:-1, 1:] - x[1:, :-1]
@@ -84,7 +84,7 @@ def conical_determinant(points: ArrayLike, normals: ArrayLike | None = None) -> 
     DegenerateError
         A quad with parallel diagonals; names it.
 
-    Source: maths.md 2.9 (a); Liu, Pottmann, Wallner, Yang, Wang 2006.
+    Source: mathematics.md 2.9 (a); Liu, Pottmann, Wallner, Yang, Wang 2006.
     """
     x = _net(points, 3)
     faces = face_normals(x) if normals is None else np.asarray(normals, dtype=np.float64)
@@ -100,7 +100,7 @@ def angle_balance(points: ArrayLike) -> Floats:
 
     Zero on conical nets at ordinary vertices, not at folded ones; prefer `conical_determinant`.
 
-    Source: maths.md 2.9 (b); Wang, Wallner, Liu 2007.
+    Source: mathematics.md 2.9 (b); Wang, Wallner, Liu 2007.
     """
     x = _net(points, 3)
     middle = x[1:-1, 1:-1]
@@ -122,7 +122,7 @@ def conical_residuals(points: ArrayLike) -> dict[str, float]:
     does not shrink with the cells (0 where two faces of a vertex are parallel). Both zero for a
     conical net.
 
-    Source: maths.md 0, 1.3, 2.9.
+    Source: mathematics.md 0, 1.3, 2.9.
     """
     x = _net(points, 3)
     n = _stars(face_normals(x))
@@ -144,7 +144,7 @@ def cone_offsets(points: ArrayLike) -> Floats:
     DegenerateError
         Face normals that cancel (a cone that is a line); names the vertex.
 
-    Source: maths.md 2.10, 10.6: v' = v + d axis / <axis, N>.
+    Source: mathematics.md 2.10, 10.6: v' = v + d axis / <axis, N>.
     """
     n = _stars(face_normals(_net(points, 3)))
     offset = np.einsum("ijxk->ijx", np.linalg.pinv(n, rcond=FLAT_STAR))
@@ -162,7 +162,7 @@ FLAT_STAR = 1e-6
 def cone_axes(points: ArrayLike) -> Floats:
     """(M - 1, N - 1, 3) unit axes of the cones at interior vertices, on the side of the normals.
 
-    Source: maths.md 2.9, 2.10; see `cone_offsets`.
+    Source: mathematics.md 2.9, 2.10; see `cone_offsets`.
     """
     return unit(cone_offsets(points))
 
@@ -174,7 +174,7 @@ def best_normal(points: ArrayLike) -> Floats:
     surface's normals are means over four faces; at the boundary they would be one-sided, and the
     reflected ones then alternate, so that inner vertices alone count where there are any.
 
-    Source: least squares on the two-parameter family of maths.md 2.7.
+    Source: least squares on the two-parameter family of mathematics.md 2.7.
     """
     x = _net(points)
     moved = np.stack([vertex_normals(x, basis) for basis in np.eye(3)], axis=-1)  # (M+1, N+1, 3, 3)
@@ -204,8 +204,8 @@ def circular_to_conical(points: ArrayLike, first: ArrayLike | None = None) -> Fl
     DegenerateError
         Three corners on a line, or planes along the axis of the circle; names the quad.
 
-    Source: Bobenko, Suris 2007; maths.md 2.8. The axis is met by each plane in one point, which
-    stays well defined where all four planes are nearly one.
+    Source: Bobenko, Suris 2007; mathematics.md 2.8. The axis is met by each plane in one point,
+    which stays well defined where all four planes are nearly one.
     """
     x = _net(points, 3)
     normals = vertex_normals(x, best_normal(x) if first is None else first)
@@ -244,8 +244,8 @@ def conical_to_circular(points: ArrayLike, first: ArrayLike | None = None) -> Fl
     DegenerateError
         Neighbouring faces folded back onto each other; names the edge.
 
-    Source: Pottmann, Wallner 2008; maths.md 2.10. The bisector's normal m ~ e x (N + N') is that of
-    N - N', and stays defined where the faces are nearly one.
+    Source: Pottmann, Wallner 2008; mathematics.md 2.10. The bisector's normal m ~ e x (N + N') is
+    that of N - N', and stays defined where the faces are nearly one.
     """
     x = _net(points)
     n = face_normals(x)

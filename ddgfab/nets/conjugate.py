@@ -2,7 +2,7 @@
 
 x_kl = x + (1 + c^lk) Delta_k x + (1 + c^kl) Delta_l x: of the two superscripts the second is the
 direction that is multiplied. Source: Bobenko, Suris, Discrete Differential Geometry, 2.1;
-maths.md 1.2-1.5. For three and more directions see `cubes`.
+mathematics.md 1.2-1.5. For three and more directions see `cubes`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def planarity(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     """Distance of the diagonals of each quad, divided by their mean length.
 
     Signed in R^3, by the side of n = (x_kl - x) x (x_l - x_k) on which x_k lies from x.
-    Zero for all quads: a conjugate net (maths.md 1.3).
+    Zero for all quads: a conjugate net (mathematics.md 1.3).
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def planarity_flagged(points: ArrayLike) -> tuple[Floats, NDArray[np.bool_]]:
     DegenerateError
         A quad whose diagonals have both no length; names the quad.
 
-    Source: maths.md 1.3.
+    Source: mathematics.md 1.3.
     """
 
     def kernel(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -> Floats:
@@ -96,7 +96,7 @@ def conjugate_residuals(points: ArrayLike) -> dict[str, float]:
 
 
 def quad_volumes(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
-    """Volume of the tetrahedron of each quad's corners in R^3 (maths.md 1.2, 2.6)."""
+    """Volume of the tetrahedron of each quad's corners in R^3 (mathematics.md 1.2, 2.6)."""
 
     def kernel(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -> Floats:
         return np.asarray(np.abs(dot(x12 - x, cross(x1 - x, x2 - x))) / 6.0)
@@ -110,7 +110,7 @@ def quad_volume_density(
     """3 vol / step^4 of a small parameter quad of a smooth surface in R^3.
 
     Tends to |det(f_1, f_2, f_12)| / 2 with an error of the order of the step: zero in the limit
-    everywhere for conjugate nets of curves (maths.md 1.2).
+    everywhere for conjugate nets of curves (mathematics.md 1.2).
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def conj_coeffs(
     DegenerateError
         Parallel edges at x; names the index of the quad.
 
-    Source: maths.md 1.4.
+    Source: mathematics.md 1.4.
     """
     p, pk, pl, pkl = columns(x, xk, xl, xkl)
     return coeffs_kernel(p, pk, pl, pkl, Place())
@@ -195,7 +195,7 @@ def evolve_conjugate(first: ArrayLike, second: ArrayLike, c21: ArrayLike, c12: A
     DegenerateError
         Parallel edges at the first corner of a cell; names the cell.
 
-    Source: Bobenko, Suris 2.1; maths.md 1.5.
+    Source: Bobenko, Suris 2.1; mathematics.md 1.5.
     """
 
     def rule(x: Floats, x1: Floats, x2: Floats, c: Floats, d: Floats, place: Place) -> Floats:

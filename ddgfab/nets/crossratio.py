@@ -1,6 +1,6 @@
 """Cross-ratios of quads: real where the four corners lie on a circle.
 
-Source: Bobenko, Suris, Discrete Differential Geometry, 4.3 and 9; maths.md 2.2.
+Source: Bobenko, Suris, Discrete Differential Geometry, 4.3 and 9; mathematics.md 2.2.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def complex_cross_ratio(
     DegenerateError
         b = c or d = a; names the index.
 
-    Source: maths.md 2.2.
+    Source: mathematics.md 2.2.
     """
     p, q, r, s = np.broadcast_arrays(*(np.asarray(z, dtype=np.complex128) for z in (a, b, c, d)))
     below = (q - r) * (s - p)
@@ -46,7 +46,7 @@ def cross_ratio(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> tuple
     DegenerateError
         b = c or d = a; names the index.
 
-    Source: Bobenko, Pinkall; maths.md 2.2.
+    Source: Bobenko, Pinkall; mathematics.md 2.2.
     """
     p, q, r, s = columns(a, b, c, d)
     both = _cross_ratio(p, q, s, r, Place())

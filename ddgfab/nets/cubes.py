@@ -3,7 +3,7 @@
 Coefficients of a cube are matrices C with C[l, k] = c^lk (0-based): the second index is the
 direction that is multiplied, the diagonal is not used. With M_kl = c^lk / (1 + c^kl) and
 xi = (I - M)^-1 (1, 1, 1) the eighth vertex is x_123 = x + sum xi_k Delta_k x, in any dimension.
-Source: Bobenko, Suris, Discrete Differential Geometry, 2.1, Lemma 2.4, Theorem 2.5; maths.md
+Source: Bobenko, Suris, Discrete Differential Geometry, 2.1, Lemma 2.4, Theorem 2.5; mathematics.md
 1.6-1.8.
 """
 
@@ -39,7 +39,7 @@ def cube_xi(coefficients: ArrayLike) -> Floats:
         1 + c^kl = 0 (an edge of a quad is parallel to one at x), planes nearly parallel (condition
         of I - M); names the index of the cube.
 
-    Source: maths.md 1.6.
+    Source: mathematics.md 1.6.
     """
     return _xi(_matrices(coefficients), Place(name="cube"))
 
@@ -90,7 +90,7 @@ def phi(coefficients: ArrayLike) -> Floats:
     DegenerateError
         As `cube_xi`.
 
-    Source: maths.md 1.7.
+    Source: mathematics.md 1.7.
     """
     c = _matrices(coefficients)
     xi = _xi(c, Place(name="cube"))
@@ -149,7 +149,7 @@ def cube_point(
         A quad at x that is not planar, parallel edges at x, planes nearly parallel; names the
         index of the cube.
 
-    Source: maths.md 1.6.
+    Source: mathematics.md 1.6.
     """
     points = columns(x, x1, x2, x3, x12, x13, x23)
     place = Place(name="cube")
@@ -190,7 +190,7 @@ def evolve_3d(x12: ArrayLike, x13: ArrayLike, x23: ArrayLike) -> Floats:
     ----------
     x12, x13, x23 : (n1, n2, dim), (n1, n3, dim), (n2, n3, dim) conjugate nets with common axes
 
-    Source: Bobenko, Suris, Theorem 2.2; maths.md 1.6.
+    Source: Bobenko, Suris, Theorem 2.2; mathematics.md 1.6.
     """
     return evolve_nd({(0, 1): x12, (0, 2): x13, (1, 2): x23})
 
@@ -216,7 +216,7 @@ def evolve_nd(surfaces: Mapping[tuple[int, int], ArrayLike], *, verify: bool = F
         A surface whose quads are not planar, parallel edges, planes nearly parallel; with `verify`
         a second point elsewhere. Names the cell or point.
 
-    Source: Bobenko, Suris, Theorem 2.5; maths.md 1.8.
+    Source: Bobenko, Suris, Theorem 2.5; mathematics.md 1.8.
     """
     net = _with_surfaces(surfaces)
     d = net.ndim - 1

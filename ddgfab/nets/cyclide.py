@@ -40,7 +40,7 @@ def cyclide_roof(
         No turn at all (the torus becomes a cylinder), or a turn so sharp that the tube reaches
         the axis of the torus; names the radii or the panel.
 
-    Source: Dupin cyclides are the images of tori under inversions; maths.md 2.6, 2.7.
+    Source: Dupin cyclides are the images of tori under inversions; mathematics.md 2.6, 2.7.
     """
     turn = np.radians(turn_deg)
     if turn == 0.0:

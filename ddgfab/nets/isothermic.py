@@ -1,7 +1,7 @@
 """Isothermic nets: circular nets whose cross-ratios factorise, q = alpha_i / alpha_j.
 
 The label alpha_k of an edge depends on its place along its own direction only. Source: Bobenko,
-Pinkall 1996; Bobenko, Suris, Discrete Differential Geometry, 4.3; maths.md 6.1.
+Pinkall 1996; Bobenko, Suris, Discrete Differential Geometry, 4.3; mathematics.md 6.1.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def cross_ratio_labels(points: ArrayLike) -> tuple[tuple[Floats, ...], float]:
     DegenerateError
         Neighbouring corners of a quad coincide, or a cross-ratio is zero; names the quad.
 
-    Source: maths.md 6.1.
+    Source: mathematics.md 6.1.
     """
     x = net_points(points)
     if min(x.shape[:-1]) < 2:
@@ -83,7 +83,7 @@ def cross_ratio_labels(points: ArrayLike) -> tuple[tuple[Floats, ...], float]:
 def isothermic_residuals(points: ArrayLike) -> dict[str, float]:
     """Greatest planarity, circularity and defect of the cross-ratios' factorisation.
 
-    All zero: the net is isothermic. Source: maths.md 6.1.
+    All zero: the net is isothermic. Source: mathematics.md 6.1.
     """
     labels = cross_ratio_labels(points)[1]
     return {**circular_residuals(points), "cross-ratio labels": labels}
@@ -110,7 +110,7 @@ def isothermic_point(
     DegenerateError
         Equal labels, an edge of no length, or a fourth point at infinity; names the index.
 
-    Source: maths.md 6.1.
+    Source: mathematics.md 6.1.
     """
     start, first, second = columns(x, x1, x2)
     a, b = np.asarray(alpha1, dtype=np.float64), np.asarray(alpha2, dtype=np.float64)
@@ -165,7 +165,7 @@ def evolve_isothermic(
     InputError
         Shapes that do not fit.
 
-    Source: maths.md 6.1, 11b.
+    Source: mathematics.md 6.1, 11b.
     """
     a, b = np.atleast_2d(*(np.asarray(p, dtype=np.float64) for p in (first, second)))
     labels = _cell_labels(alpha1, alpha2, (len(a) - 1, len(b) - 1))

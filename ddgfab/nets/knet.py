@@ -3,7 +3,7 @@
 Kept is the unit Lelieuvre field m, a spherical T-net: Delta_k x = r m_k x m in every direction
 alike. Normals are derived from it: n = (-1)^u_0 m, for which Delta_0 x = r n x n_0,
 Delta_k x = -r n x n_k. Source: Bobenko, Suris, Discrete Differential Geometry, 4.2; Wunderlich
-1951; Bobenko, Pinkall 1996; maths.md 3.4, 3.5.
+1951; Bobenko, Pinkall 1996; mathematics.md 3.4, 3.5.
 """
 
 from __future__ import annotations
@@ -136,7 +136,8 @@ class KNet:
         )
 
     def residuals(self) -> dict[str, float]:
-        """Greatest violation of every defining condition (maths.md 3.5), relative to local edges.
+        """Greatest violation of every defining condition (mathematics.md 3.5), relative to local
+        edges.
 
         Returns
         -------
@@ -233,7 +234,7 @@ def knet(
     DegenerateError
         n_1 = -n_2 in a quad; names the cell.
 
-    Source: maths.md 3.5 (Theorem 3.2), by the half-turns of 3.4.
+    Source: mathematics.md 3.5 (Theorem 3.2), by the half-turns of 3.4.
     """
     angles, bends, corners = _checked(deltas, turns, corner_angles)
     if not 0 < r < np.inf:
@@ -321,7 +322,7 @@ def _frame(origin: ArrayLike, normal: ArrayLike, edge: ArrayLike) -> tuple[Float
 
 
 def _walk(n: Floats, tangent: Floats, deltas: Floats, turns: Floats) -> Floats:
-    """(len(deltas) + 1, 3) unit normals along an axis; maths.md 3.5."""
+    """(len(deltas) + 1, 3) unit normals along an axis; mathematics.md 3.5."""
     out = np.empty((len(deltas) + 1, 3))
     out[0] = n
     t, b = tangent, np.cross(n, tangent)

@@ -1,6 +1,6 @@
 """Discrete Amsler surfaces: K-nets through two straight lines.
 
-Source: maths.md 3.14; Bobenko, Pinkall 1996; Hoffmann 1999.
+Source: mathematics.md 3.14; Bobenko, Pinkall 1996; Hoffmann 1999.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ about the normal), psi that at x_1 and x_2, chi = pi - psi, k = tan(delta_1 / 2)
 A potential h at the vertices has phi = (h_1 + h_2) / 2 and chi = (h + h_12) / 2 in every quad, and
 fulfils sin((h_12 - h_1 - h_2 + h) / 4) = k sin((h_12 + h_1 + h_2 + h) / 4) exactly. With eps^2 / 4
 in place of k, or the angle phi in place of h, this equation of the textbooks holds to leading order
-only. Source: maths.md 3.7, 3.8, 13; Bobenko, Pinkall 1996.
+only. Source: mathematics.md 3.7, 3.8, 13; Bobenko, Pinkall 1996.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def quad_angles(net: KNet) -> tuple[Floats, Floats, Floats, Floats]:
     InputError
         Another number of directions than two; take a layer of the net.
 
-    Source: maths.md 3.7.
+    Source: mathematics.md 3.7.
     """
     x, n = net.points, net.normals
     if net.d != 2:
@@ -81,7 +81,7 @@ def chi_of_phi(phi: ArrayLike, k: ArrayLike) -> Floats:
         k = 1 (delta_1 + delta_2 = pi): psi does not depend on phi. Shapes that do not go together,
         entries that are not finite.
 
-    Source: maths.md 3.7.
+    Source: mathematics.md 3.7.
     """
     angle = np.asarray(phi, dtype=np.float64)
     angle, coefficient = np.broadcast_arrays(angle, _coefficients(k, angle.shape))
@@ -127,7 +127,7 @@ def hirota_residual(h: ArrayLike, k: ArrayLike) -> Floats:
     InputError
         Shapes that do not fit, entries that are not finite.
 
-    Source: maths.md 3.8.
+    Source: mathematics.md 3.8.
     """
     values = np.asarray(h, dtype=np.float64)
     if values.ndim != 2 or min(values.shape) < 2:
@@ -166,7 +166,7 @@ def evolve_hirota(first: ArrayLike, second: ArrayLike, k: ArrayLike) -> Floats:
     InputError
         Shapes that do not fit, first values that differ, k = 1.
 
-    Source: maths.md 3.8.
+    Source: mathematics.md 3.8.
     """
     a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
     if a.ndim != 1 or b.ndim != 1 or min(len(a), len(b)) < 2:
@@ -203,7 +203,7 @@ def hirota_potential(net: KNet, start: tuple[float, float] = (0.0, 0.0)) -> Floa
     InputError
         Another number of directions, no quad, k = 1.
 
-    Source: maths.md 3.8.
+    Source: mathematics.md 3.8.
     """
     if net.d != 2 or min(net.shape) < 2:
         raise InputError(f"{net!r}: a potential needs two directions and a quad")

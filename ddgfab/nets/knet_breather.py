@@ -1,6 +1,6 @@
 """Discrete breathers: Bianchi's common transform of two conjugate complex transforms of a line.
 
-Source: maths.md 3.12.
+Source: mathematics.md 3.12.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def breather(
     DegenerateError
         q = 0 at a point: the two transforms coincide; names it.
 
-    Source: maths.md 3.12.
+    Source: mathematics.md 3.12.
     """
     if not (abs(tau) <= MOST_TAU and tau != 0):
         raise InputError(

@@ -2,7 +2,7 @@
 
 Ring k has its points and normals at the azimuths (2 s + k) pi / N; points of neighbouring rings
 half a step apart are joined, by edges that all have one length and, up to hand, one twist.
-Source: maths.md 3.13; Wunderlich 1951.
+Source: mathematics.md 3.13; Wunderlich 1951.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ def crab_net(n_fold: int, delta: float, theta0: float, rings: int, *, r: float =
         No angle of the second ring: the normals of ring 0 are too near to each other for a turn by
         pi / N to be reached within delta; gives the value and the limit.
 
-    Source: maths.md 3.13.
+    Source: mathematics.md 3.13.
     """
     n_fold, rings = whole(n_fold, 3, "n_fold"), whole(rings, 2, "rings")
     refuse_angles(np.array([delta]), "delta {}")
@@ -200,7 +200,7 @@ def string_tensions(net: CrabNet) -> Floats:
     DegenerateError
         Two rings at one height: no tension carries a load; names the level.
 
-    Source: maths.md 3.13.
+    Source: mathematics.md 3.13.
     """
     rise = np.diff(net.heights)
     flat = np.abs(rise) <= RELATIVE_DEGENERATE * net.edge_length
@@ -230,7 +230,7 @@ def string_forces(net: CrabNet, tensions: ArrayLike | None = None) -> Floats:
     InputError
         Another number of tensions, or one that is not finite.
 
-    Source: maths.md 3.13.
+    Source: mathematics.md 3.13.
     """
     t = string_tensions(net) if tensions is None else np.asarray(tensions, dtype=np.float64)
     if t.shape != (net.rings - 1,):

@@ -2,7 +2,7 @@
 
 The vacuum is a K-net on a line: normals turn about it in both directions. Its Baecklund transforms
 are the discrete Dini surfaces, among them the pseudosphere (sigma = pi / 2), a rotational net.
-Source: maths.md 3.9; Wunderlich 1951; Bobenko, Pinkall 1996.
+Source: mathematics.md 3.9; Wunderlich 1951; Bobenko, Pinkall 1996.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ def sech_tanh(w: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
 def transform_of_vacuum(
     theta: Floats, height: Floats, sigma: complex, sine: NDArray[Any], cosine: NDArray[Any]
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Points and normals of the Baecklund transform of the vacuum of r = 1; maths.md 3.9."""
+    """Points and normals of the Baecklund transform of the vacuum of r = 1; mathematics.md 3.9."""
     c, s = np.cos(theta), np.sin(theta)
     cs, ss = np.cos(sigma), np.sin(sigma)
     x = np.stack([-ss * sine * s, ss * sine * c, height - ss * cosine], axis=-1)

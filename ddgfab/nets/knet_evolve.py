@@ -2,7 +2,7 @@
 
 m_ij = m - 2 <m, d> / <d, d> d with d = m_j - m_i is the Moutard equation for unit vectors. It is
 a reflection of m, so norms do not drift; the textbook form -n + lambda (n_1 + n_2) multiplies
-errors of the norm by 5.6 at every step and is not used. Source: maths.md 3.4, 3.5, 11b.
+errors of the norm by 5.6 at every step and is not used. Source: mathematics.md 3.4, 3.5, 11b.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def spherical_fourth(m: ArrayLike, m_i: ArrayLike, m_j: ArrayLike) -> Floats:
         m_i = m_j, that is n_1 = -n_2 (no unique answer), or m_i = +-m (an edge of no length);
         names the index of the quad.
 
-    Source: maths.md 3.4.
+    Source: mathematics.md 3.4.
     """
     base, *ends = columns(m, m_i, m_j)
     if len(base) != 3:
@@ -104,7 +104,7 @@ def evolve_spherical(axes: Sequence[ArrayLike], *, name: str = "cell") -> Floats
     DegenerateError
         m_i = m_j somewhere (n_1 = -n_2); names the cell.
 
-    Source: maths.md 3.4, 3.5; Bobenko, Suris, Discrete Differential Geometry, 4.1, 4.2.
+    Source: mathematics.md 3.4, 3.5; Bobenko, Suris, Discrete Differential Geometry, 4.1, 4.2.
     """
     lines = _axes(axes)
     d = len(lines)

@@ -1,8 +1,8 @@
 """Discrete Kuen surfaces: two Baecklund transforms of a line, both with the angle pi / 2.
 
 Bianchi's formula has no value for one transform taken twice, but it has a limit when two angles
-become one: the reflection in the derivative of the transform's normal. Source: maths.md 3.9, 3.11,
-3.12 with tau -> 0.
+become one: the reflection in the derivative of the transform's normal. Source: mathematics.md 3.9,
+3.11, 3.12 with tau -> 0.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """One quad of a K-net: the skew parallelogram, its half-turn, twists and scale.
 
-Source: Wunderlich 1951; Bobenko, Suris, Discrete Differential Geometry, 4.2; maths.md 3.6.
+Source: Wunderlich 1951; Bobenko, Suris, Discrete Differential Geometry, 4.2; mathematics.md 3.6.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def skew_parallelogram(
         A side of no length, all corners on a line, or an antiparallelogram in a plane: two of its
         sides cross, and it belongs to no K-net.
 
-    Source: maths.md 3.6 (Lemma 3.1).
+    Source: mathematics.md 3.6 (Lemma 3.1).
     """
     given = [np.asarray(p, dtype=np.float64) for p in (x, x1, x12, x2)]
     shapes = ", ".join(str(p.shape) for p in given)

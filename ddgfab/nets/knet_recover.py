@@ -1,7 +1,7 @@
 """Normals, angles and turns of a K-net that is given by its points, and how far it is from one.
 
-Source: maths.md 3.1, 3.2, 3.5: normals are those of the planar vertex stars, their signs those for
-which every edge is a positive multiple of m_k x m.
+Source: mathematics.md 3.1, 3.2, 3.5: normals are those of the planar vertex stars, their signs
+those for which every edge is a positive multiple of m_k x m.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def recover_knet(source: Mesh | Net | ArrayLike, *, limit: float = KNET_DEFECT) 
     DegenerateError
         An edge of no length, a vertex whose edges are all parallel; names it.
 
-    Source: maths.md 3.1, 3.5.
+    Source: mathematics.md 3.1, 3.5.
     """
     x = _points(source)
     if min(x.shape[:-1]) < 2:

@@ -45,7 +45,7 @@ def knet_roof(
     DegenerateError
         A net that folds up; names the cell.
 
-    Source: `ddgfab.nets.knet.knet`; maths.md 3.5.
+    Source: `ddgfab.nets.knet.knet`; mathematics.md 3.5.
     """
     deltas = [
         np.full(panels_along, np.radians(twist_deg)),
@@ -83,7 +83,7 @@ def amsler_roof(
     DegenerateError
         A net that folds up; names the cell.
 
-    Source: `ddgfab.nets.knet_amsler.amsler`, one for each quadrant; maths.md 3.14.
+    Source: `ddgfab.nets.knet_amsler.amsler`, one for each quadrant; mathematics.md 3.14.
     """
     delta = np.radians(twist_deg)
     points = crossing_lines(

@@ -44,7 +44,7 @@ def crab_tower(
     DegenerateError
         Values that no such net has, or one that closes in a cone point; says which ring.
 
-    Source: `ddgfab.nets.knet_crab.crab_net`; maths.md 3.13.
+    Source: `ddgfab.nets.knet_crab.crab_net`; mathematics.md 3.13.
     """
     delta, slope, turn = np.radians(twist_deg), np.radians(slope_deg), np.pi / panels_around
     least = np.degrees(np.arccos(np.hypot(np.cos(slope), np.sin(slope) * np.cos(turn))))
@@ -83,7 +83,7 @@ def pseudosphere_tower(
     ParameterError
         A parameter of the wrong type or beyond its limits.
 
-    Source: `ddgfab.nets.knet_dini.pseudosphere`; maths.md 3.9.
+    Source: `ddgfab.nets.knet_dini.pseudosphere`; mathematics.md 3.9.
     """
     alpha = np.pi / panels_around
     r = bar_mm / np.sin(alpha)
@@ -115,7 +115,7 @@ def dini_ramp(
     ParameterError
         A parameter of the wrong type or beyond its limits.
 
-    Source: `ddgfab.nets.knet_dini.dini`; maths.md 3.9 with A B = 1.
+    Source: `ddgfab.nets.knet_dini.dini`; mathematics.md 3.9 with A B = 1.
     """
     sigma = np.radians(90.0 - pitch_deg)
     ratio = np.tan(0.5 * sigma) ** 2
@@ -155,7 +155,7 @@ def breather_sheet(
     ParameterError
         A parameter of the wrong type or beyond its limits.
 
-    Source: `ddgfab.nets.knet_breather.breather`; maths.md 3.12.
+    Source: `ddgfab.nets.knet_breather.breather`; mathematics.md 3.12.
     """
     delta, side = np.radians(twist_deg), (rows + 2) // 2
     tau = float(np.arctanh(waves))
@@ -193,7 +193,7 @@ def kuen_tower(
     ParameterError
         A parameter of the wrong type or beyond its limits.
 
-    Source: `ddgfab.nets.knet_kuen.kuen`; maths.md 3.12 with tau -> 0.
+    Source: `ddgfab.nets.knet_kuen.kuen`; mathematics.md 3.12 with tau -> 0.
     """
     delta, side = np.radians(twist_deg), (rows + 2) // 2
     angles = np.full(panels_along + side, delta)

@@ -187,7 +187,7 @@ def koebe(
         A polyhedron so long and thin that circles at its ends vanish (names one), or a numerical
         method that did not arrive (never seen on a polyhedron that passed the checks).
 
-    Source: Koebe 1936; Springborn 2005; Bobenko, Springborn 2004; maths.md 7.1.
+    Source: Koebe 1936; Springborn 2005; Bobenko, Springborn 2004; mathematics.md 7.1.
 
     >>> tetrahedron = koebe([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])
     >>> round(float(tetrahedron.radii[0]) ** 2, 9)

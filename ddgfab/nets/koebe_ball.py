@@ -65,7 +65,7 @@ def koebe_ball(
     MeshError
         A file whose faces are not those of a polyhedron; names the cut pair or the handle.
 
-    Source: `koebe`; maths.md 7.1.
+    Source: `koebe`; mathematics.md 7.1.
     """
     if (shape == "file") != bool(polyhedron_file):
         raise ParameterError(

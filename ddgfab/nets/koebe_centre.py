@@ -53,7 +53,7 @@ def centring(points: Floats) -> tuple[Floats, float]:
     DegenerateError
         The points cannot be centred.
 
-    Source: Springborn, A unique representation of polyhedral types (2005); maths.md 7.1.
+    Source: Springborn, A unique representation of polyhedral types (2005); mathematics.md 7.1.
     """
     total, best, left = np.eye(4), np.eye(4), np.inf
     for _ in range(MAX_BOOSTS):

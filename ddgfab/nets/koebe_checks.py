@@ -28,7 +28,7 @@ def check_polyhedron(mesh: Mesh) -> None:
         Boundary (names an edge), several components (names a face of each), another Euler number,
         a cut vertex, or a cut pair, which it names with the two faces that meet there twice.
 
-    Source: Steinitz 1922; Mohar, Thomassen, Graphs on Surfaces, 2.3 and 5.5; maths.md 7.1.
+    Source: Steinitz 1922; Mohar, Thomassen, Graphs on Surfaces, 2.3 and 5.5; mathematics.md 7.1.
     """
     open_edges = np.flatnonzero(mesh.boundary_edge)
     if len(open_edges):

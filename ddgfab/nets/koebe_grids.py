@@ -31,7 +31,7 @@ def koebe_vertex(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
         A circle that goes to a great circle, or whose disc goes to more than half of the sphere;
         names its index.
 
-    Source: maths.md 7.2.
+    Source: mathematics.md 7.2.
     """
     c, r = np.asarray(centres, dtype=np.float64), np.asarray(radii, dtype=np.float64)
     if c.ndim < 1 or c.shape[-1] != 2:
@@ -71,7 +71,7 @@ def enneper_koebe(cells: tuple[int, int], half_step: float) -> SIsothermic:
     DegenerateError
         Circles larger than half the sphere (h near 1).
 
-    Source: maths.md 7.6.
+    Source: mathematics.md 7.6.
     """
     cells = (whole(cells[0], 1, "cells of direction 0"), whole(cells[1], 1, "cells of direction 1"))
     if not 0 < half_step < np.inf:
@@ -101,7 +101,7 @@ def catenoid_koebe(around: int, rings: tuple[int, int], columns: int | None = No
     InputError
         Fewer than three around, no rings, or no columns.
 
-    Source: maths.md 7.6.
+    Source: mathematics.md 7.6.
     """
     closed = columns is None
     around = whole(around, 3, "around")

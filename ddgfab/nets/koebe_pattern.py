@@ -9,7 +9,7 @@ Circles are numbered: vertices first, then faces. A corner of the mesh is an inc
 and a face, an edge of the bipartite graph on which the functional lives.
 
 Source: Bobenko, Springborn, Variational principles for circle patterns and Koebe's theorem
-(2004); maths.md 7.1.
+(2004); mathematics.md 7.1.
 """
 
 from __future__ import annotations
@@ -206,7 +206,7 @@ def planar_circles(pattern: CirclePattern, radii: Floats) -> Floats:
     product -1, orthogonal circles 0. The plane was projected from the north pole; seen from
     outside the sphere the circles have the orientation of the mesh.
 
-    Source: layout: maths.md 7.1; pole of the circle (x, y, z) / w: 7.2.
+    Source: layout: mathematics.md 7.1; pole of the circle (x, y, z) / w: 7.2.
     """
     v, f = pattern.corner_circles
     mesh, lines = pattern.mesh, pattern.lines

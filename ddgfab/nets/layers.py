@@ -1,6 +1,6 @@
 """Transformations of nets as further directions: a net and its transforms are one larger net.
 
-Source: Bobenko, Suris, Discrete Differential Geometry, 1.1; maths.md 1.9, 1.10.
+Source: Bobenko, Suris, Discrete Differential Geometry, 1.1; mathematics.md 1.9, 1.10.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def common_transform(
     DegenerateError
         A quad that is not planar, or layers that are no transforms of the net; as `evolve_nd`.
 
-    Source: Bobenko, Suris, 2.1, 3.1; maths.md 1.9.
+    Source: Bobenko, Suris, 2.1, 3.1; mathematics.md 1.9.
     """
     x, a, b = (np.asarray(part, dtype=np.float64) for part in (net, first, second))
     origin = (0,) * (x.ndim - 1)

@@ -73,7 +73,7 @@ class MinimalNet:
         InputError
             A member of the associated family at an angle, whose faces are skew.
 
-        Source: Bobenko, Pottmann, Wallner 2010; maths.md 8.2, 7.6.
+        Source: Bobenko, Pottmann, Wallner 2010; mathematics.md 8.2, 7.6.
         """
         self._refuse_angle("are not parallel to the Gauss image")
         points, normals = self.mesh.vertices, self.gauss.mesh.vertices
@@ -104,7 +104,7 @@ class MinimalNet:
         DegenerateError
             The member does not close, as on a ring (a catenoid): cut it open first.
 
-        Source: Bobenko, Hoffmann, Springborn 2006, section 7; maths.md 7.7.
+        Source: Bobenko, Hoffmann, Springborn 2006, section 7; mathematics.md 7.7.
         """
         return _integrated(self.gauss, self.labels, angle, self.scale)
 
@@ -153,7 +153,7 @@ def minimal_surface(
         No labelling of the edges exists; names the faces.
 
     Source: Bobenko, Hoffmann, Springborn, Minimal surfaces from circle patterns (2006);
-    Def. 4.4; maths.md 7.6, 7.7.
+    Def. 4.4; mathematics.md 7.6, 7.7.
     """
     off = np.abs(np.linalg.norm(gauss.contacts, axis=1) - 1.0)
     sine = np.abs(np.einsum("ex,ex->e", gauss.contacts, gauss.mesh.edge_vectors))
@@ -185,7 +185,7 @@ def enneper(cells: tuple[int, int], half_step: float) -> MinimalNet:
     Vertex (u, v), multiples of 2 h: (u(1 + v^2 + h^2/3) - u^3/3, -v(1 + u^2 + h^2/3) + v^3/3,
     u^2 - v^2) up to a motion.
 
-    Source: maths.md 7.6; errors as in `enneper_koebe`.
+    Source: mathematics.md 7.6; errors as in `enneper_koebe`.
     """
     return minimal_surface(enneper_koebe(cells, half_step), scale=2.0 * half_step**2)
 
@@ -193,7 +193,7 @@ def enneper(cells: tuple[int, int], half_step: float) -> MinimalNet:
 def catenoid(around: int, rings: tuple[int, int], columns: int | None = None) -> MinimalNet:
     """The discrete catenoid (cosh(I l) e^(i J a), I sinh l), dual of `catenoid_koebe`.
 
-    Source: maths.md 7.6; parameters and errors as in `catenoid_koebe`.
+    Source: mathematics.md 7.6; parameters and errors as in `catenoid_koebe`.
     """
     gauss = catenoid_koebe(around, rings, columns)
     alpha = np.pi / around
@@ -203,6 +203,6 @@ def catenoid(around: int, rings: tuple[int, int], columns: int | None = None) ->
 def helicoid(around: int, rings: tuple[int, int], columns: int) -> MinimalNet:
     """The discrete helicoid: the conjugate of a catenoid cut open, columns of `around` in a turn.
 
-    Source: maths.md 7.7; parameters and errors as in `catenoid_koebe`.
+    Source: mathematics.md 7.7; parameters and errors as in `catenoid_koebe`.
     """
     return catenoid(around, rings, columns).associated(0.5 * np.pi)

@@ -100,7 +100,7 @@ def scherk(cells: int, storeys: int = 1) -> MinimalNet:
     InputError
         Fewer than three cells or one storey.
 
-    Source: maths.md 7.6.
+    Source: mathematics.md 7.6.
     """
     cells, storeys = whole(cells, 3, "cells on a side of the pillow"), whole(storeys, 1, "storeys")
     solid = scherk_koebe(cells)
@@ -129,7 +129,7 @@ def schwarz_p(cells: int) -> MinimalNet:
     InputError
         Fewer than one cell.
 
-    Source: maths.md 7.6.
+    Source: mathematics.md 7.6.
     """
     cells = whole(cells, 1, "cells on a side of the cube")
     solid = schwarz_koebe(cells)
@@ -169,7 +169,7 @@ def schwarz_p_cell(cells: int) -> PeriodicCell:
     DegenerateError
         The pieces do not close up to multiples of the period.
 
-    Source: maths.md 7.5, 7.6.
+    Source: mathematics.md 7.5, 7.6.
     """
     cells = whole(cells, 2, "cells on a side of the cube")
     solid = schwarz_koebe(cells)

@@ -47,7 +47,7 @@ def from_cells(file: str, name: str, sheets: int = 1) -> MinimalNet:
     InputError
         Two sheets for a piece that needs one.
 
-    Source: maths.md 7.5, 7.6.
+    Source: mathematics.md 7.5, 7.6.
     """
     cells = read_cells(file)
     marked = cells.group(name)
@@ -104,7 +104,7 @@ def minimal_roof(
     MeshError
         A file that cannot be used; see `from_cells`.
 
-    Source: `ddgfab.nets.minimal`; Bobenko, Hoffmann, Springborn 2006; maths.md 7.6.
+    Source: `ddgfab.nets.minimal`; Bobenko, Hoffmann, Springborn 2006; mathematics.md 7.6.
     """
     if (surface == "file") != bool(polyhedron_file):
         raise ParameterError(

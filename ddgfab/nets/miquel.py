@@ -1,6 +1,6 @@
 """Circular nets in three and more directions: Miquel's theorem carries circles through cubes.
 
-Source: Bobenko, Suris, Discrete Differential Geometry, Theorem 3.2; maths.md 2.4.
+Source: Bobenko, Suris, Discrete Differential Geometry, Theorem 3.2; mathematics.md 2.4.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def miquel_point(
     DegenerateError
         A quad at x that is not circular, or as `cubes.cube_point`; names the index of the cube.
 
-    Source: Miquel; maths.md 2.4.
+    Source: Miquel; mathematics.md 2.4.
     """
     points = columns(x, x1, x2, x3, x12, x13, x23)
     for (k, m), corner in zip(((1, 2), (1, 3), (2, 3)), points[4:], strict=True):
@@ -66,7 +66,7 @@ def evolve_circular(
     InputError, DegenerateError
         As `cubes.evolve_nd`; and a quad of a surface that is not circular.
 
-    Source: maths.md 2.4.
+    Source: mathematics.md 2.4.
     """
     for pair, surface in surfaces.items():
         net = net_points(surface)
@@ -98,7 +98,7 @@ def evolve_circular_by_angles(
     InputError, DegenerateError
         As `evolve_by_angles` and `cubes.evolve_nd`.
 
-    Source: maths.md 2.3, 2.4.
+    Source: mathematics.md 2.3, 2.4.
     """
     wanted = list(combinations(range(len(lines)), 2))
     if not wanted or sorted(angles) != wanted:
@@ -125,7 +125,7 @@ def sphere_defect(points: ArrayLike) -> Floats:
     DegenerateError
         Edges at the first corner in one plane; names the cube.
 
-    Source: maths.md 2.4.
+    Source: mathematics.md 2.4.
     """
     x = net_points(points, 3)
     if x.ndim != 4:

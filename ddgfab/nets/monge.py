@@ -3,7 +3,8 @@
 Each profile is the mirror image of the one before, in the plane that halves the way between them.
 So all edges along one step are parallel, the quads are isosceles trapezoids, hence circular, and
 axes that lie in the profile's plane stay in it and are torsion-free (Monge's surfaces swept by a
-rotation-minimising plane; double reflection: Wang, Juettler, Zheng, Liu 2008; maths.md 2.7, 10.3).
+rotation-minimising plane; double reflection: Wang, Juettler, Zheng, Liu 2008; mathematics.md 2.7,
+10.3).
 """
 
 from __future__ import annotations

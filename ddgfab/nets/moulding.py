@@ -31,7 +31,7 @@ def moulding_net(profile: ArrayLike, directions: ArrayLike, steps: ArrayLike) ->
     DegenerateError
         Opposite directions in a row; names the step.
 
-    Source: `monge` with a horizontal spine; maths.md 2.7.
+    Source: `monge` with a horizontal spine; mathematics.md 2.7.
     """
     angle = np.asarray(directions, dtype=np.float64)
     tangents = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)

@@ -2,7 +2,7 @@
 
 Coefficients of the three quads of a cube at one corner give those at the opposite corner by the
 star-triangle map; so T-nets evolve from their coordinate surfaces, consistently in 3D and 4D.
-Source: Bobenko, Suris, Discrete Differential Geometry, 2.3; maths.md 3.2, 3.3.
+Source: Bobenko, Suris, Discrete Differential Geometry, 2.3; mathematics.md 3.2, 3.3.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def evolve_moutard(first: ArrayLike, second: ArrayLike, coefficients: ArrayLike)
     InputError
         Shapes that do not fit, first points that differ, entries that are not finite.
 
-    Source: maths.md 3.2.
+    Source: mathematics.md 3.2.
     """
 
     def rule(m: Floats, m_k: Floats, m_l: Floats, a: Floats, place: Place) -> Floats:
@@ -101,7 +101,7 @@ def star_triangle(a12: ArrayLike, a23: ArrayLike, a31: ArrayLike) -> tuple[Float
     DegenerateError
         The denominator is zero; names the index of the cube.
 
-    Source: maths.md 3.3.
+    Source: mathematics.md 3.3.
     """
     given = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in (a12, a23, a31)))
     for a in given:
@@ -134,7 +134,7 @@ def moutard_cube(
         A quad that misses the Moutard equation, m_k = m_l, or no star-triangle map; names the
         cube.
 
-    Source: maths.md 3.3.
+    Source: mathematics.md 3.3.
     """
     return np.moveaxis(_cube(columns(m, m1, m2, m3, m12, m13, m23), Place(name="cube")), 0, -1)
 
@@ -175,7 +175,7 @@ def evolve_tnet(surfaces: Mapping[tuple[int, int], ArrayLike], *, verify: bool =
         A surface that is no T-net, m_k = m_l, no star-triangle map; with `verify` a second point
         elsewhere. Names the cell.
 
-    Source: maths.md 3.3; Bobenko, Suris, Discrete Differential Geometry, 2.3.
+    Source: mathematics.md 3.3; Bobenko, Suris, Discrete Differential Geometry, 2.3.
     """
     net = _with_surfaces(surfaces)
     d = net.ndim - 1

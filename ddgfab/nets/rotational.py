@@ -35,7 +35,7 @@ def rotational_net(meridian: ArrayLike, azimuths: ArrayLike) -> Floats:
     DegenerateError
         A point on the axis, or azimuths that do not move on; names the point or the step.
 
-    Source: maths.md 2.6 (circular), 2.9 (conical for a constant step).
+    Source: mathematics.md 2.6 (circular), 2.9 (conical for a constant step).
     """
     m, angle = np.asarray(meridian, dtype=np.float64), np.asarray(azimuths, dtype=np.float64)
     if m.ndim != 2 or m.shape[1] != 2 or len(m) < 2 or angle.ndim != 1 or len(angle) < 2:

@@ -50,7 +50,7 @@ class SIsothermic:
             A face that is not planar or has no incircle, or a vertex at which incircles touch its
             edges at different distances; names it, the defect and the limit.
 
-        Source: Bobenko, Pinkall 1999, s-isothermic surfaces; Def. 4.3; maths.md 7.3.
+        Source: Bobenko, Pinkall 1999, s-isothermic surfaces; Def. 4.3; mathematics.md 7.3.
         """
         found = tangential(mesh)
         for name, values in found.defects.items():
@@ -188,7 +188,7 @@ def tangential(mesh: Mesh) -> Tangential:
     DegenerateError
         A face without area or with a corner that is straight; names it.
 
-    Source: maths.md 7.3.
+    Source: mathematics.md 7.3.
     """
     first = mesh.face_start[:-1]
     here, ahead = mesh.corners, mesh.corners[mesh.corner_next]
@@ -249,7 +249,7 @@ def dual_face(points: ArrayLike) -> Floats:
     DegenerateError
         The polygon has no incircle.
 
-    Source: equations (16), (17) as corrected in maths.md 7.4.
+    Source: equations (16), (17) as corrected in mathematics.md 7.4.
     """
     polygon = np.asarray(points, dtype=np.float64)
     net = SIsothermic.of(Mesh.build(polygon, [list(range(len(polygon)))]))
@@ -301,7 +301,7 @@ def dual(net: SIsothermic, labels: Ints | None = None) -> Dual:
     DegenerateError
         The edges do not close: the net is not s-isothermic, or its dual has a period round a hole.
 
-    Source: maths.md 7.4, 7.5.
+    Source: mathematics.md 7.4, 7.5.
     """
     signs = checked_labels(net.mesh, labels)
     i, j = net.mesh.edges.T

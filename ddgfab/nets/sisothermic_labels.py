@@ -33,7 +33,7 @@ def label_edges(mesh: Mesh) -> Ints:
         It cannot be: names the faces of an odd cycle (a face, the faces round a vertex, or a ring
         of faces round a hole).
 
-    Source: maths.md 7.5; S-quad-graphs: Bobenko, Hoffmann, Springborn 2006, section 2.
+    Source: mathematics.md 7.5; S-quad-graphs: Bobenko, Hoffmann, Springborn 2006, section 2.
     """
     signs, failing = alternating_signs(mesh)
     if len(failing):
@@ -169,7 +169,7 @@ def double_cover(mesh: Mesh) -> DoubleCover:
         Two copies of an edge would join the same vertices (edges between two odd vertices, as on
         the plain cube): subdivide first.
 
-    Source: Bobenko, Hoffmann, Springborn 2006, section 2; maths.md 7.5.
+    Source: Bobenko, Hoffmann, Springborn 2006, section 2; mathematics.md 7.5.
     """
     count = len(mesh.corners)
     begin = np.concatenate([mesh.face_start[:-1], mesh.face_start[:-1]])

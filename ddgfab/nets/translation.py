@@ -35,7 +35,7 @@ def translation_net(first: ArrayLike, second: ArrayLike) -> Floats:
         Parallel edges of the two; names the quad and the sine of the angle.
 
     Source: Glymph, Shelden, Ceccato, Mussel, Schober 2004 (the Hippo house of J. Schlaich);
-    maths.md 8.1.
+    mathematics.md 8.1.
     """
     p, q = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
     for name, curve in (("first", p), ("second", q)):

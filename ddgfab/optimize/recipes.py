@@ -196,7 +196,7 @@ def planarize(
     InputError
         An id out of range, an unknown boundary.
 
-    Source: maths.md 8.5; Liu, Pottmann, Wallner, Yang, Wang 2006, section 3.
+    Source: mathematics.md 8.5; Liu, Pottmann, Wallner, Yang, Wang 2006, section 3.
     """
     return _recipe(
         "planarize",
@@ -228,7 +228,7 @@ def circularize(
 
     Parameters, return value and errors are those of `planarize`.
 
-    Source: Bobenko, Suris, Discrete Differential Geometry, 3.1; maths.md 2.
+    Source: Bobenko, Suris, Discrete Differential Geometry, 3.1; mathematics.md 2.
     """
     return _recipe(
         "circularize",
@@ -263,7 +263,7 @@ def conicalize(
 
     Parameters, return value and errors are those of `planarize`.
 
-    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; maths.md 2.9.
+    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; mathematics.md 2.9.
     """
     return _recipe(
         "conicalize",

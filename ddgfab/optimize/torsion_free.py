@@ -109,7 +109,8 @@ def torsion_free(
     InputError
         A limit that is not positive, an id out of range, an unknown boundary.
 
-    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, Def. 5.1, section 2; maths.md 10.2-10.4.
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, Def. 5.1, section 2; mathematics.md
+    10.2-10.4.
     """
     for name, value in (("max_lean", max_lean), ("max_movement", max_movement)):
         if value is not None and not value > 0:

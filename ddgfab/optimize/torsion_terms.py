@@ -49,7 +49,7 @@ def axis_torsion(
     With axes of length one the residual is the sine of the torsion times the sines of the angles
     between edge and axes.
 
-    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, Def. 5.1; maths.md 10.2.
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, Def. 5.1; mathematics.md 10.2.
     """
     ends = layout.index(VERTICES, mesh.edges).reshape(mesh.n_edges, 6)
     axes = layout.index(AXES, mesh.edges).reshape(mesh.n_edges, 6)

@@ -48,7 +48,7 @@ def surface_normals(mesh: Mesh) -> Floats:
     SupportError
         A vertex of an A-net whose edges all lie in one line, which has no tangent plane.
 
-    Source: maths.md 3.1, 3.5.
+    Source: mathematics.md 3.1, 3.5.
     """
     if np.degrees(star_defect(mesh).max()) > NET_STAR_DEG:
         return mesh.vertex_normals

@@ -26,7 +26,7 @@ def edge_axes(mesh: Mesh) -> Floats:
     DegenerateError
         The mesh is not parallel to a Koebe net; see `koebe_field`.
 
-    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3.3; maths.md 10.6.
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3.3; mathematics.md 10.6.
     """
     return unit(koebe_field(mesh))
 
@@ -44,7 +44,7 @@ def koebe_field(mesh: Mesh) -> Floats:
     DegenerateError
         The mesh is not parallel to a Koebe net; names the worst edge, or the vertex.
 
-    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3.3; maths.md 10.6, 7.4.
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3.3; mathematics.md 10.6, 7.4.
     """
     patterns = [np.ones(mesh.n_edges)]
     alternate, failing = alternating_signs(mesh)
@@ -153,7 +153,7 @@ def beam_heights(mesh: Mesh, axes: Floats) -> Floats:
     DegenerateError
         An axis along an edge of its vertex: a beam without height; names both.
 
-    Source: maths.md 10.4, 11a (beam cutting).
+    Source: mathematics.md 10.4, 11a (beam cutting).
     """
     start, end = mesh.edges.T
     along = unit(mesh.edge_vectors)

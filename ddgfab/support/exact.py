@@ -24,7 +24,8 @@ def reflected_axes(mesh: Mesh) -> Floats:
     all faces have circumcircles and an even number of sides and the mesh has no handles or holes
     with holonomy; elsewhere the edges off the spanning tree keep torsion (measure it).
 
-    Source: vertex offsets, Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3; maths.md 2.7.
+    Source: vertex offsets, Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3; mathematics.md
+    2.7.
     """
     count = mesh.n_vertices
     start, end = mesh.edges.T
@@ -49,7 +50,7 @@ def reflected_axes(mesh: Mesh) -> Floats:
 def cone_axes(mesh: Mesh) -> Floats:
     """(V, 3) unit axes of a conical net: those of the cones that the faces at a vertex touch.
 
-    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; maths.md 2.9, 10.6.
+    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; mathematics.md 2.9, 10.6.
     """
     return unit(cone_field(mesh))
 

@@ -1,7 +1,8 @@
 """Torsion-free axes nearest to the vertex normals, for any mesh: a sequential quadratic programme.
 
 Minimise sum w_v |a_v - n_v|^2 over unit axes a_v under c_e = det(e, a_i, a_j) = 0 for every edge
-e = ij (Pottmann, Liu, Wallner, Bobenko, Wang 2007, Def. 5.1; maths.md 10.2). Vertices stay where
+e = ij (Pottmann, Liu, Wallner, Bobenko, Wang 2007, Def. 5.1; mathematics.md 10.2). Vertices stay
+where
 they are, faces need not be planar. A disk-shaped quad mesh with b boundary edges has a family of
 b/2 + 2 such structures, so the programme has room; other meshes may have less, and the solver then
 fails by name instead of returning something near.

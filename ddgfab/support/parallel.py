@@ -1,8 +1,8 @@
 """Support structures from parallel meshes: axes a(v) along v' - v of a mesh with parallel edges.
 
 The differences d_v = v' - v solve the linear problem (d_i - d_j) parallel to e_ij for every edge
-(Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 2; maths.md 10.4). A planar m x n net has a
-space of m + n + 3 of them.
+(Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 2; mathematics.md 10.4). A planar m x n net
+has a space of m + n + 3 of them.
 """
 
 from __future__ import annotations

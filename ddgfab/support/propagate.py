@@ -34,7 +34,7 @@ def propagate_axes(
     DegenerateError
         An axis along its edge, or planes that coincide; names the vertex and the sine.
 
-    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 2; maths.md 10.3.
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 2; mathematics.md 10.3.
     """
     x = np.asarray(points, dtype=np.float64)
     turns = np.asarray(along, dtype=np.float64), np.asarray(across, dtype=np.float64)
@@ -107,7 +107,7 @@ def node_torsion(mesh: Mesh, planes: ArrayLike) -> tuple[Floats, Floats]:
     InputError
         Planes of the wrong shape.
 
-    Source: maths.md 10.2.
+    Source: mathematics.md 10.2.
     """
     given = np.asarray(planes, dtype=np.float64)
     if given.shape != (mesh.n_edges, 3):

@@ -32,8 +32,8 @@ def central(mesh: Mesh, centre: ArrayLike | None = None) -> SupportStructure:
     """Central structure: all axes pass through one point z, on the side of the normals.
 
     Torsion-free on every mesh, as the plane through an edge and z holds both axes. On triangle
-    meshes there are no others (Pottmann, Liu, Wallner, Bobenko, Wang 2007; Prop. 5.2, maths.md
-    10.5). With the best centre at infinity all axes are parallel.
+    meshes there are no others (Pottmann, Liu, Wallner, Bobenko, Wang 2007; Prop. 5.2,
+    mathematics.md 10.5). With the best centre at infinity all axes are parallel.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def incircle_axes(mesh: Mesh) -> tuple[Floats, Floats]:
     SupportError
         A face that is no triangle, or one without area; names it.
 
-    Source: Schiftner, Hoebinger, Wallner, Pottmann 2009; maths.md 10.6, 10.11.
+    Source: Schiftner, Hoebinger, Wallner, Pottmann 2009; mathematics.md 10.6, 10.11.
     """
     other = np.flatnonzero(mesh.face_sizes != 3)
     if len(other):

@@ -1,7 +1,7 @@
 """The ellipsoid in its curvature lines: the smooth surface that circular nets are tested against.
 
 x^2 / A + y^2 / B + z^2 / C = 1 with confocal coordinates A >= u >= B >= v >= C. The lines
-u = const and v = const are its curvature lines. Source: Jacobi; maths.md 9.3.
+u = const and v = const are its curvature lines. Source: Jacobi; mathematics.md 9.3.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Smooth isothermic surfaces and their duals: conformal curvature line parametrisations.
 
-Source: Christoffel 1867; Bobenko, Suris, 1.7; maths.md 5.4 (Theorem 4.1, equation (15)).
+Source: Christoffel 1867; Bobenko, Suris, 1.7; mathematics.md 5.4 (Theorem 4.1, equation (15)).
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def smooth_isothermic_residuals(
     DegenerateError
         A parameter line that stands still, or a point that is not finite; names the parameters.
 
-    Source: maths.md 5.4.
+    Source: mathematics.md 5.4.
     """
     try:
         p, q = (np.array(a) for a in np.broadcast_arrays(*_parameters(u, v, step)))
@@ -146,7 +146,7 @@ def smooth_dual(
     DegenerateError
         As `smooth_isothermic_residuals`.
 
-    Source: maths.md 5.4, 6.2.
+    Source: mathematics.md 5.4, 6.2.
     """
     p, q = _parameters(u, v, step)
     if p.ndim != 1 or q.ndim != 1 or min(len(p), len(q)) < 2:

@@ -3,7 +3,7 @@
 A second route to `ddgfab.surfaces.k_surfaces`, and oracles for Brioschi's formula: derivatives
 come by complex step. With asymptotic parameters p, q: the pseudosphere is at (q - p, p + q), the
 breather at (p - q, p + q), Kuen at (p + q, 2 atan exp(q - p)), Dini at (q cot(sigma / 2) -
-p tan(sigma / 2), -p - q), up to a motion. Source: maths.md 3.15.
+p tan(sigma / 2), -p - q), up to a motion. Source: mathematics.md 3.15.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 E = G = 1, L = N = 0, and the normal turns at unit speed along both families: x_u = n x n_u,
 x_v = -n x n_v. Pseudosphere and Dini are Baecklund transforms of a straight line, breather and
-Kuen double ones; Amsler and others are integrated from their angle. Source: maths.md 3.14, 3.15,
-5.5; Bobenko, Pinkall, Discrete surfaces with constant negative Gaussian curvature, 1996.
+Kuen double ones; Amsler and others are integrated from their angle. Source: mathematics.md 3.14,
+3.15, 5.5; Bobenko, Pinkall, Discrete surfaces with constant negative Gaussian curvature, 1996.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def dini(u: ArrayLike, v: ArrayLike, sigma: float = 0.5 * np.pi, start: float = 
     InputError
         sigma out of range.
 
-    Source: maths.md 3.15, 3.9.
+    Source: mathematics.md 3.15, 3.9.
     """
     if not 0.0 < sigma < np.pi:
         raise InputError(f"sigma = {sigma:g} rad; it must lie between 0 and pi")
@@ -79,7 +79,7 @@ def breather(u: ArrayLike, v: ArrayLike, tau: float, start: complex = 1.0) -> KS
     InputError
         tau = 0 (the limit is `kuen`).
 
-    Source: maths.md 3.12, 3.15.
+    Source: mathematics.md 3.12, 3.15.
     """
     if tau == 0.0 or not np.isfinite(tau):
         raise InputError(f"tau = {tau:g}; a number other than 0 is needed (kuen is the limit)")
@@ -100,8 +100,8 @@ def kuen(u: ArrayLike, v: ArrayLike, shift: float = 0.0) -> KSurface:
     u, v : arrays that broadcast to one shape
     shift : moves the double pole along u + v
 
-    Source: maths.md 3.12 in the limit: with d the derivative of the transform's normal by sigma,
-    n12 = n - 2 <n, d> / <d, d> d and x12 = x - 2 <n, d> / <d, d> d x n1.
+    Source: mathematics.md 3.12 in the limit: with d the derivative of the transform's normal by
+    sigma, n12 = n - 2 <n, d> / <d, d> d and x12 = x - 2 <n, d> / <d, d> d x n1.
     """
     grid = _grid(u, v)
     points, normals = _line(grid)
@@ -151,7 +151,8 @@ def surface_of(solution: Solution, u: ArrayLike, v: ArrayLike) -> KSurface:
     DegenerateError
         The integration does not reach the end of the grid; says how far it came.
 
-    Source: Gauss and Weingarten equations with E = G = 1, F = cos phi, M = sin phi; maths.md 5.5.
+    Source: Gauss and Weingarten equations with E = G = 1, F = cos phi, M = sin phi; mathematics.md
+    5.5.
     """
     p, q = increasing(u, "u"), increasing(v, "v")
 
@@ -182,7 +183,7 @@ def amsler_angle(r: ArrayLike, start: float) -> tuple[Floats, Floats]:
     r : any shape, of any sign
     start : the angle [rad] between the two straight lines
 
-    Source: maths.md 3.14; a third Painleve equation. Near 0, f = start + sin(start) r + ...
+    Source: mathematics.md 3.14; a third Painleve equation. Near 0, f = start + sin(start) r + ...
     """
     given = np.asarray(r, dtype=np.float64)
     values, back = np.unique(given, return_inverse=True)
@@ -219,7 +220,7 @@ def amsler(u: ArrayLike, v: ArrayLike, start: float) -> KSurface:
     InputError
         An angle out of range, or parameters that do not increase.
 
-    Source: maths.md 3.14.
+    Source: mathematics.md 3.14.
     """
     if not 0.0 < start < np.pi:
         raise InputError(f"the lines cross at {start:g} rad; between 0 and pi is needed")

@@ -3,7 +3,7 @@
 x = Re integral of (f (1 - g^2), i f (1 + g^2), 2 f g) / 2 dz with g meromorphic, the Gauss map by
 stereographic projection from the north pole, and f such that f and f g^2 are holomorphic. The
 parameter lines of z = u + i v are curvature lines where f g' is real (f g' = 1: isothermic), and
-asymptotic lines where it is imaginary. Source: maths.md 5.3; Weierstrass 1866.
+asymptotic lines where it is imaginary. Source: mathematics.md 5.3; Weierstrass 1866.
 """
 
 from __future__ import annotations

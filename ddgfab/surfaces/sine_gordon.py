@@ -1,7 +1,8 @@
 """Solutions of the sine-Gordon equation phi_uv = sin phi: Baecklund transforms, solitons.
 
 phi is the angle between the asymptotic lines of a surface of curvature -1 in unit-speed asymptotic
-parameters. Source: maths.md 5.2; Rogers, Schief, Baecklund and Darboux Transformations, 1.2-1.4.
+parameters. Source: mathematics.md 5.2; Rogers, Schief, Baecklund and Darboux Transformations,
+1.2-1.4.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ def soliton(u: ArrayLike, v: ArrayLike, a: float, c: float = 1.0) -> Floats:
     InputError
         a = 0, or a number that is not finite.
 
-    Source: maths.md 5.2.
+    Source: mathematics.md 5.2.
     """
     _parameters([a], [c])
     p, q = np.asarray(u, dtype=np.float64), np.asarray(v, dtype=np.float64)
@@ -58,7 +59,7 @@ def permute(phi: ArrayLike, first: ArrayLike, second: ArrayLike, a: float, b: fl
     DegenerateError
         a = b or a = -b; says the values.
 
-    Source: Bianchi's permutability theorem; maths.md 5.2.
+    Source: Bianchi's permutability theorem; mathematics.md 5.2.
     """
     _distinct([a, b])
     ratio = (a + b) / (a - b)
@@ -87,7 +88,7 @@ def solitons(
         Two parameters that are equal or opposite; names them.
 
     Source: Lamb's diagram: the solution of parameters i..j comes from those of i..j-1, i+1..j and
-    i+1..j-1; maths.md 5.2.
+    i+1..j-1; mathematics.md 5.2.
     """
     _parameters(parameters, constants)
     _distinct(parameters)
@@ -143,7 +144,7 @@ def baecklund_angle(
     DegenerateError
         The integration does not reach the end of the grid; says how far it came.
 
-    Source: maths.md 5.2.
+    Source: mathematics.md 5.2.
     """
     _parameters([a], [start])
     p, q = increasing(u, "u"), increasing(v, "v")

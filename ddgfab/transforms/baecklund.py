@@ -2,7 +2,7 @@
 
 A transform is a further direction of the net: its unit field m' fulfils the same half-turn rule,
 its points are x' = x + r m' x m, at the constant distance r sin(sigma), with the normal angle
-sigma. Source: Bobenko, Suris, Discrete Differential Geometry, 4.2; maths.md 3.10, 3.11.
+sigma. Source: Bobenko, Suris, Discrete Differential Geometry, 4.2; mathematics.md 3.10, 3.11.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def baecklund(net: KNet, sigma: float, psi: float) -> KNet:
         m' = m_k, that is n' = -n_0 or n' = n_k, before a vertex on all paths to it; rounding
         errors that grow too much: names the vertex.
 
-    Source: maths.md 3.10, psi as in 3.9.
+    Source: mathematics.md 3.10, psi as in 3.9.
     """
     refuse_angles(np.array([sigma]), "sigma of transform {}")
     if not np.isfinite(psi):
@@ -171,8 +171,8 @@ def bianchi(net: KNet, first: KNet, second: KNet) -> KNet:
     DegenerateError
         The transforms coincide at a point; names it.
 
-    Source: maths.md 3.11: m_12 = m + a (m_2 - m_1), x_12 = x + r a m_2 x m_1, in its half-turn
-    form a = -2 <m, d> / <d, d>, d = m_2 - m_1.
+    Source: mathematics.md 3.11: m_12 = m + a (m_2 - m_1), x_12 = x + r a m_2 x m_1, in its
+    half-turn form a = -2 <m, d> / <d, d>, d = m_2 - m_1.
     """
     for name, other in (("first", first), ("second", second)):
         if other.m.shape != net.m.shape or abs(other.r - net.r) > NET_INPUT * net.r:
@@ -217,7 +217,7 @@ def baecklund_lattice(net: KNet, sigmas: Sequence[float], psis: Sequence[float])
     DegenerateError
         Two transforms that coincide at a point; names it.
 
-    Source: maths.md 1.9, 3.10, 3.11.
+    Source: mathematics.md 1.9, 3.10, 3.11.
     """
     angles = np.array(sigmas, dtype=np.float64)
     if angles.ndim != 1 or angles.shape != np.shape(psis) or not len(angles):

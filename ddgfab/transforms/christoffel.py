@@ -1,6 +1,6 @@
 """The Christoffel dual of isothermic nets.
 
-Source: Bobenko, Pinkall 1996; Bobenko, Suris, 4.3; maths.md 6.2.
+Source: Bobenko, Pinkall 1996; Bobenko, Suris, 4.3; mathematics.md 6.2.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def christoffel_dual(points: ArrayLike, labels: Sequence[ArrayLike] | None = Non
     DegenerateError
         An edge of no length, or a quad whose dual does not close (labels of another net); names it.
 
-    Source: maths.md 6.2, equation (18).
+    Source: mathematics.md 6.2, equation (18).
     """
     x = net_points(points)
     alpha = net_labels(x, labels)

@@ -1,6 +1,6 @@
 """Darboux transforms of isothermic nets: a further direction with a label of its own.
 
-Source: Hertrich-Jeromin, Hoffmann, Pinkall 1999; Bobenko, Suris, 4.3; maths.md 6.3.
+Source: Hertrich-Jeromin, Hoffmann, Pinkall 1999; Bobenko, Suris, 4.3; mathematics.md 6.3.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def darboux(
         mu is a label; points that coincide or go to infinity (names direction and place); a net
         that is not isothermic with the labels given, so that the transform does not close.
 
-    Source: maths.md 6.3.
+    Source: mathematics.md 6.3.
     """
     x = net_points(points)
     alpha = net_labels(x, labels)
@@ -119,7 +119,7 @@ def darboux_common(
     DegenerateError
         mu1 = mu2, or points that coincide; names the place.
 
-    Source: maths.md 6.1, 6.3.
+    Source: mathematics.md 6.1, 6.3.
     """
     x, a, b = (np.asarray(net, dtype=np.float64) for net in (points, first, second))
     if not x.shape == a.shape == b.shape:
@@ -140,7 +140,7 @@ def darboux_dual(points: ArrayLike, transform: ArrayLike, dual: ArrayLike, mu: f
     DegenerateError
         A point that coincides with its transform; names it.
 
-    Source: maths.md 6.3.
+    Source: mathematics.md 6.3.
     """
     x, a, star = (net_points(net) for net in (points, transform, dual))
     if not x.shape == a.shape == star.shape:

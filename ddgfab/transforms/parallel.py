@@ -31,7 +31,7 @@ def parallel_space(mesh: Mesh) -> Floats:
     InputError
         More vertices than `DENSE_LIMIT`; `nearest_parallel` has no such limit.
 
-    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 2; maths.md 10.4.
+    Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 2; mathematics.md 10.4.
     """
     if mesh.n_vertices > DENSE_LIMIT:
         raise InputError(
@@ -63,7 +63,7 @@ def nearest_parallel(mesh: Mesh, target: ArrayLike, weights: ArrayLike | None = 
     InputError
         Targets of the wrong shape or not finite.
 
-    Source: maths.md 10.4; see `ddgfab.support.parallel.parallel_field`.
+    Source: mathematics.md 10.4; see `ddgfab.support.parallel.parallel_field`.
     """
     wanted = np.asarray(target, dtype=np.float64)
     if wanted.shape != mesh.vertices.shape or not np.isfinite(wanted).all():
@@ -94,7 +94,7 @@ def combescure(
     DegenerateError
         Parallel edges at the far corner of a quad; names it and the sine.
 
-    Source: Combescure transform; two directions across a planar quad, maths.md 10.4, 1.10.
+    Source: Combescure transform; two directions across a planar quad, mathematics.md 10.4, 1.10.
     """
     x = np.asarray(points, dtype=np.float64)
     a, b = np.asarray(along, dtype=np.float64), np.asarray(across, dtype=np.float64)

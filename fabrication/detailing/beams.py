@@ -1,4 +1,4 @@
-"""Beams: frames and end cuts along the edges. `fabrication.md`, Beam."""
+"""Beams: frames and end cuts along the edges. docs/parts.md, Beam."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ class Gridshell:
 
 
 def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshell:
-    """Beams, nodes and panels of a mesh [mm] with unit node axes, by the rules of `fabrication.md`.
+    """Beams, nodes and panels of a mesh [mm] with unit node axes, by the rules of docs/parts.md.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
         A part cannot be made: nodes too small, beams too short, panes used up.
         What merely exceeds a limit of the project is a failing check of its piece instead.
 
-    Source: fabrication.md, Beam, Node element, Panel.
+    Source: docs/parts.md, Beam, Node element, Panel.
     """
     project = make_project({}) if project is None else project
     axes = np.asarray(support.axes, dtype=np.float64)

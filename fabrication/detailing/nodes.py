@@ -1,4 +1,4 @@
-"""Nodes: cylinders about the axes with seats, bolt holes and a mark. `fabrication.md`, Node."""
+"""Nodes: cylinders about the axes with seats, bolt holes and a mark. docs/parts.md, Node."""
 
 from __future__ import annotations
 

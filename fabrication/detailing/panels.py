@@ -1,4 +1,4 @@
-"""Panels: the faces' polygons, offset, with joints measured from pi(e). `fabrication.md`, Panel."""
+"""Panels: the faces' polygons, offset, with joints measured from pi(e). docs/parts.md, Panel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The node's radius: arms must not touch. `fabrication.md`, Node element; maths.md 11a."""
+"""The node's radius: arms must not touch. docs/parts.md, Node element; mathematics.md 11a."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """How far a mechanism moves freely: the interval of its driving angle, proven without gaps.
 
-Source: fabrication.md, Linkages; the proof is in `fabrication.linkage.contacts.margin`, the bounds
+Source: docs/parts.md, Linkages; the proof is in `fabrication.linkage.contacts.margin`, the bounds
 in `ddgfab.linkages.rates`.
 """
 

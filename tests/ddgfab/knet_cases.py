@@ -8,7 +8,8 @@ from ddgfab.mesh import Floats, unit
 from ddgfab.nets import KNet, knet
 
 EXACT = 1e-12
-"""Agreement of nets of about 20 x 20 cells with closed forms and conditions (maths.md 0, 3.5)."""
+"""Agreement of nets of about 20 x 20 cells with closed forms and conditions (mathematics.md 0,
+3.5)."""
 
 
 def cauchy(

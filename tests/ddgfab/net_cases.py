@@ -41,7 +41,8 @@ def space_canal(rings: int = 9, points: int = 6) -> Floats:
 
 
 def koebe_net(sectors: int = 6, rings: tuple[int, int] = (-2, 3)) -> Floats:
-    """(sectors + 1, rings, 3) rotational Koebe net, closed form of maths.md 7.6 (I, J even)."""
+    """(sectors + 1, rings, 3) rotational Koebe net, closed form of mathematics.md 7.6 (I, J
+    even)."""
     alpha = np.pi / sectors
     step = np.arcsinh(np.tan(alpha))
     i = 2.0 * np.arange(rings[0], rings[1] + 1) * step
@@ -52,7 +53,7 @@ def koebe_net(sectors: int = 6, rings: tuple[int, int] = (-2, 3)) -> Floats:
 
 
 def catenoid_net(sectors: int = 6, rings: tuple[int, int] = (-2, 3)) -> Floats:
-    """The discrete catenoid dual to `koebe_net`, closed form of maths.md 7.6."""
+    """The discrete catenoid dual to `koebe_net`, closed form of mathematics.md 7.6."""
     alpha = np.pi / sectors
     step = np.arcsinh(np.tan(alpha))
     i = 2.0 * np.arange(rings[0], rings[1] + 1)

@@ -1,4 +1,4 @@
-"""Area, its gradient and its minimisation on triangle meshes: maths.md 8.4."""
+"""Area, its gradient and its minimisation on triangle meshes: mathematics.md 8.4."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.nets.grid import grid_mesh
 
 K_GON, NECK, STEP = 8, 1.0, 0.3
-"""The discrete catenoid of maths.md 8.4: r cosh(a z / r), rings STEP apart."""
+"""The discrete catenoid of mathematics.md 8.4: r cosh(a z / r), rings STEP apart."""
 
 
 def catenoid_radii(z: np.ndarray) -> np.ndarray:
@@ -91,7 +91,8 @@ def test_discrete_catenoid_is_exactly_critical() -> None:
 
 
 def test_catenoids_are_stable_up_to_one_and_a_fifth_radii() -> None:
-    """maths.md 8.4: critical all the same, rings beyond |z| = 1.2 r are no minimum any more."""
+    """mathematics.md 8.4: critical all the same, rings beyond |z| = 1.2 r are no minimum any
+    more."""
     for count, stable in ((2, True), (3, True), (5, False), (6, False)):
         z = STEP * np.arange(-count, count + 1)
         mesh = rings(catenoid_radii(z), z)

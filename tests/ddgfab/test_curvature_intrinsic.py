@@ -21,7 +21,7 @@ def torus(u: Any, v: Any) -> Any:
 
 
 def test_torus() -> None:
-    """maths.md 5.1: K = cos u / (3 + cos u)."""
+    """mathematics.md 5.1: K = cos u / (3 + cos u)."""
     want = np.cos(U) / (3.0 + np.cos(U)) + 0.0 * V
     assert np.abs(gauss_curvature(metric_of(torus), U, V) - want).max() < 1e-10
 
@@ -38,7 +38,7 @@ def test_skew_parameters_change_nothing() -> None:
 
 
 def test_chebyshev_net_has_the_sine_gordon_curvature() -> None:
-    """maths.md 5.1: E = G = 1, F = cos phi gives phi_uv = -K sin phi, for any phi."""
+    """mathematics.md 5.1: E = G = 1, F = cos phi gives phi_uv = -K sin phi, for any phi."""
 
     def angle(u: Floats, v: Floats) -> Floats:
         return np.asarray(1.2 + 0.3 * np.sin(u + 2 * v) + 0.2 * u * v)

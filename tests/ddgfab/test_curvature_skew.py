@@ -23,7 +23,7 @@ def random_net(r: float, constant: float | None = None) -> KNet:
 
 
 def printed_quad() -> tuple[Floats, Floats]:
-    """The quad of maths.md 3.4, from its normals."""
+    """The quad of mathematics.md 3.4, from its normals."""
     n, n1 = np.array([0.0, 0, 1]), np.array([np.sqrt(0.19), 0, 0.9])
     n2 = np.array([0.0, -0.6, 0.8])
     s = n1 + n2
@@ -49,7 +49,7 @@ def test_exact_on_knets_whatever_the_angles(r: float) -> None:
 
 
 def test_mean_curvature_formula() -> None:
-    """maths.md 8.3: H from the angle between n1 and n2 alone."""
+    """mathematics.md 8.3: H from the angle between n1 and n2 alone."""
     net = random_net(1.0)
     _, mean = skew_curvature(net.points, net.normals)
     n = net.normals

@@ -1,4 +1,4 @@
-"""Curvatures from parallel Gauss images: maths.md 8.2."""
+"""Curvatures from parallel Gauss images: mathematics.md 8.2."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_steiners_polynomial() -> None:
 
 
 def test_christoffel_dual_of_a_sphere_is_minimal() -> None:
-    """The dual has H = 0 with the sphere as its Gauss image (maths.md 6.2, 7.6)."""
+    """The dual has H = 0 with the sphere as its Gauss image (mathematics.md 6.2, 7.6)."""
     alpha = np.pi / 10
     length = np.arcsinh(np.tan(alpha))
     i = 2.0 * np.arange(-2, 3)

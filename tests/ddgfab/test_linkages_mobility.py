@@ -40,7 +40,7 @@ def of_net(net: KNet) -> int:
     ],
 )
 def test_table(sizes: tuple[int, ...], expected: int) -> None:
-    """maths.md 4.3: m + n - 1; sum - 1 for boxes; the 12-bar cube 2, the 4-cube 3."""
+    """mathematics.md 4.3: m + n - 1; sum - 1 for boxes; the 12-bar cube 2, the 4-cube 3."""
     assert expected == sum(sizes) - 1
     assert of_net(a_net(*sizes)) == expected
 

@@ -282,7 +282,7 @@ def test_outside_the_limits() -> None:
 
 
 def test_printed_numbers() -> None:
-    """maths.md 11: alpha = pi / 8 and 100 mm a unit give bars of 38.2683 mm, +-22.5 deg."""
+    """mathematics.md 11: alpha = pi / 8 and 100 mm a unit give bars of 38.2683 mm, +-22.5 deg."""
     net = knet([np.full(2, np.pi / 8)] * 2, [np.zeros(1)] * 2, 1.2)
     mechanism = knet_mechanism(net, scale_mm=100.0)
     assert mechanism.lengths == pytest.approx(np.full(12, 38.2683), abs=5e-5)

@@ -267,7 +267,7 @@ def one_edge() -> Mesh:
 
 @pytest.mark.parametrize("degrees", [0, 1e-7, 10, 45, 89])
 def test_torsion_of_the_published_example(degrees: float) -> None:
-    # maths.md 10.2: e = (1, 0, 0), a = (0, 0, 1) and (0, sin 10, cos 10): 10 deg.
+    # mathematics.md 10.2: e = (1, 0, 0), a = (0, 0, 1) and (0, sin 10, cos 10): 10 deg.
     angle = np.radians(degrees)
     axes = np.array([[0, 0, 1], [0, np.sin(angle), np.cos(angle)], [0, 0, 1]])
     mesh = one_edge()

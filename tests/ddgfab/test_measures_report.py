@@ -43,7 +43,7 @@ def paraboloid() -> Mesh:
 
 
 def pseudosphere(n: int = 9, alpha: float = np.pi / 8) -> Mesh:
-    """Exact discrete pseudosphere, a rotational K-net (maths.md 3.9)."""
+    """Exact discrete pseudosphere, a rotational K-net (mathematics.md 3.9)."""
     i, j = np.meshgrid(np.arange(n), np.arange(n) + 12, indexing="ij")
     p = j - i
     length = np.log(np.tan(np.pi / 4 + alpha / 2))
@@ -76,7 +76,7 @@ def skew_polygons() -> Mesh:
 @pytest.mark.parametrize(
     ("mesh", "names", "words"),
     [
-        # Constant azimuth steps: conical as well (maths.md 2.9); unequal ones: circular only.
+        # Constant azimuth steps: conical as well (mathematics.md 2.9); unequal ones: circular only.
         (
             revolution(np.linspace(0, 2, 8)),
             ("conical", "circular", "planar", "quad"),

@@ -59,7 +59,7 @@ def test_circumcircle(scale: float) -> None:
         assert np.allclose(np.linalg.norm(point - c, axis=-1), radius, rtol=1e-10)
         assert np.abs(np.sum((point - c) * n, axis=-1)).max() < 1e-11 * radius.max()
     assert (np.sum(np.cross(q - p, r - p) * n, axis=-1) > 0).all()
-    # Second route: the formula of maths.md 2.1, and R = product of the sides / (4 area).
+    # Second route: the formula of mathematics.md 2.1, and R = product of the sides / (4 area).
     a, b = q - p, r - p
     w = np.cross(a, b)
     square = np.sum(w * w, axis=-1, keepdims=True)

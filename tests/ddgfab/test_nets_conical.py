@@ -1,4 +1,5 @@
-"""Conical nets: their tests, cones, and the way from and to circular nets (maths.md 2.8 - 2.10)."""
+"""Conical nets: their tests, cones, and the way from and to circular nets (mathematics.md 2.8 -
+2.10)."""
 
 from __future__ import annotations
 
@@ -87,7 +88,7 @@ def test_conical_to_circular_is_a_two_parameter_family() -> None:
 
 
 def test_rotational_nets_are_conical_for_a_constant_step_only() -> None:
-    """maths.md 2.9 and 12: 2e-17 for a constant step, of the order 1e-3 for unequal ones."""
+    """mathematics.md 2.9 and 12: 2e-17 for a constant step, of the order 1e-3 for unequal ones."""
     even = rotational_net(MERIDIAN, np.linspace(0.0, 2.0, 9))
     assert np.abs(conical_determinant(even)).max() < 1e-16
     assert np.abs(angle_balance(even)).max() < 1e-13

@@ -15,7 +15,7 @@ from ddgfab.nets.layers import common_transform, lattice, sample, stack_transfor
 
 
 def given_c() -> Floats:
-    """The coefficients of maths.md 1.7, C[l, k] = c^lk."""
+    """The coefficients of mathematics.md 1.7, C[l, k] = c^lk."""
     return np.array([[0, 0.1, -0.2], [0.2, 0, -0.1], [0.05, 0.3, 0]])
 
 

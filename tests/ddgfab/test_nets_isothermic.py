@@ -1,4 +1,4 @@
-"""Isothermic nets, their duals and Darboux transforms: maths.md 6.1-6.3."""
+"""Isothermic nets, their duals and Darboux transforms: mathematics.md 6.1-6.3."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ EXACT = 1e-12
 
 
 def catenoid(rings: int = 6, around: int = 7, n: int = 12) -> np.ndarray:
-    """Rotational isothermic net: the discrete catenoid of maths.md 7.6, every second ring."""
+    """Rotational isothermic net: the discrete catenoid of mathematics.md 7.6, every second ring."""
     alpha = np.pi / n
     length = np.arcsinh(np.tan(alpha))
     i, j = np.meshgrid(2.0 * np.arange(rings), 2.0 * np.arange(around), indexing="ij")
@@ -126,7 +126,8 @@ def test_large_cauchy_problem_is_refused() -> None:
 
 
 def test_errors_grow_as_the_warning_says() -> None:
-    """maths.md 6.1 prints 32, 2.8e3, 2.8e5, 3e7, 3e9 at 4, 8, ..., 20 cells; noise does no less."""
+    """mathematics.md 6.1 prints 32, 2.8e3, 2.8e5, 3e7, 3e9 at 4, 8, ..., 20 cells; noise does no
+    less."""
     for cells, printed in ((4, 32), (8, 2.8e3), (12, 2.8e5), (16, 3e7), (20, 3e9)):
         u = np.arange(cells + 1.0)[:, None] / cells
         lines = u * [1, 0, 0], u * [0, 1, 0]
@@ -167,7 +168,8 @@ def test_dual_properties() -> None:
 
 
 def test_dual_of_the_sphere_is_the_catenoid() -> None:
-    """maths.md 6.2: (sech u cos v, sech u sin v, tanh u) to (-cosh u cos v, .., u), order two."""
+    """mathematics.md 6.2: (sech u cos v, sech u sin v, tanh u) to (-cosh u cos v, .., u), order
+    two."""
 
     def sphere_dual_error(n: int) -> float:
         u, v = np.meshgrid(np.linspace(-0.8, 0.8, n + 1), np.linspace(0, 1.6, n + 1), indexing="ij")

@@ -1,4 +1,4 @@
-"""K-nets from Cauchy data: the invariants of maths.md 3.5, in two and more directions."""
+"""K-nets from Cauchy data: the invariants of mathematics.md 3.5, in two and more directions."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_quads_of_two_directions_are_skew_parallelograms_of_one_scale() -> None:
 
 
 def test_number_check_of_a_quad() -> None:
-    """maths.md 3.4: n = e_z, n1 = (sqrt .19, 0, .9), n2 = (0, -.6, .8), angle 90 deg."""
+    """mathematics.md 3.4: n = e_z, n1 = (sqrt .19, 0, .9), n2 = (0, -.6, .8), angle 90 deg."""
     net = knet([[np.arccos(0.9)], [np.arccos(0.8)]], [[], []], np.pi / 2, edge=(0, 1, 0))
     x, n = net.points, net.normals
     # Edge 0 along e_y and the corner angle 90 deg: edge 1 along -e_x.

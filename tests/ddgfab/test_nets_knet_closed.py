@@ -50,7 +50,8 @@ def test_dini_is_a_k_net_and_the_transform_of_the_vacuum(sigma: float, t0: float
 
 
 def test_dini_converges_to_its_smooth_surface() -> None:
-    """x(u, v) of asymptotic parameters (maths.md 3.15, 5.5), second order in the cell size."""
+    """x(u, v) of asymptotic parameters (mathematics.md 3.15, 5.5), second order in the cell
+    size."""
     sigma, errors = 1.1, []
     for cells in (10, 20, 40, 80):
         delta = 1.0 / cells
@@ -72,7 +73,7 @@ def test_dini_converges_to_its_smooth_surface() -> None:
 
 
 def test_pseudosphere_numbers_and_rotation() -> None:
-    """alpha = pi / 8 (maths.md 3.9); L = .4031997192."""
+    """alpha = pi / 8 (mathematics.md 3.9); L = .4031997192."""
     alpha = np.pi / 8
     net = pseudosphere((3, 6), alpha)
     assert np.log(np.tan(np.pi / 4 + alpha / 2)) == pytest.approx(0.4031997192, abs=1e-10)
@@ -118,7 +119,7 @@ def test_long_nets_do_not_overflow() -> None:
 
 # --- breather ------------------------------------------------------------------------------------
 def test_breather_is_the_complex_bianchi_transform() -> None:
-    """Against Bianchi's formula in complex numbers, bilinear product (maths.md 3.12)."""
+    """Against Bianchi's formula in complex numbers, bilinear product (mathematics.md 3.12)."""
     alpha, tau, t0 = np.pi / 16, 0.8, 0.7 + 0.3j
     net = breather(np.full(24, alpha), np.full(24, alpha), tau, t0=t0)
     assert max(net.residuals().values()) < 1e-13
@@ -187,7 +188,8 @@ def test_amsler_contains_two_lines_and_is_a_k_net() -> None:
 
 
 def test_amsler_angles_converge_to_painleve() -> None:
-    """maths.md 3.14: f(.25), f(1), and errors 4.3e-4, 1.6e-4, 4.7e-5, 1.3e-5 for M = 8..64."""
+    """mathematics.md 3.14: f(.25), f(1), and errors 4.3e-4, 1.6e-4, 4.7e-5, 1.3e-5 for M =
+    8..64."""
     f = painleve(np.pi / 3, np.array([0.25, 1.0]))
     assert f == pytest.approx([1.269963844788, 1.983241599173], abs=1e-9)
     errors = []

@@ -11,7 +11,7 @@ from ddgfab.nets import CrabNet, crab_net, knet, pseudosphere, string_forces, st
 
 
 def printed() -> CrabNet:
-    """N = 6, delta = 30 deg, theta_0 = 60 deg (maths.md 3.13)."""
+    """N = 6, delta = 30 deg, theta_0 = 60 deg (mathematics.md 3.13)."""
     return crab_net(6, np.radians(30), np.radians(60), 5)
 
 
@@ -78,7 +78,7 @@ def test_mesh_is_a_closed_band_of_quads(net: CrabNet) -> None:
     k, n = net.rings, net.n_fold
     assert mesh.n_faces == (k - 2) * n
     assert len(mesh.vertices) == k * n
-    # The basket's bars (maths.md 11): 2 N a level.
+    # The basket's bars (mathematics.md 11): 2 N a level.
     assert len(mesh.edges) == 2 * n * (k - 1)
     lengths = np.linalg.norm(mesh.edge_vectors, axis=1)
     assert np.allclose(lengths, net.edge_length, rtol=1e-12)
@@ -126,7 +126,7 @@ def test_pseudosphere_is_a_crab_net() -> None:
 
 
 def test_symmetric_flex_keeps_edges_and_twists() -> None:
-    """delta and N fixed, theta_0 free (maths.md 4.5): another shape of the same bars."""
+    """delta and N fixed, theta_0 free (mathematics.md 4.5): another shape of the same bars."""
     one, other = (crab_net(9, 0.4, t, 8) for t in (0.7, 0.9))
     assert not np.allclose(one.points, other.points, atol=0.05)
     for net in (one, other):

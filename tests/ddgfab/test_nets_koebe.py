@@ -54,7 +54,7 @@ def test_edges_touch_the_sphere_and_circles_pack(name: str) -> None:
 
 
 def test_printed_numbers() -> None:
-    """maths.md 7.1."""
+    """mathematics.md 7.1."""
     assert (
         np.abs(np.linalg.norm(koebe(SOLIDS["tetrahedron"]).mesh.vertices, axis=1) - 3**0.5).max()
         < 1e-14
@@ -165,7 +165,7 @@ def test_boosts_are_lorentz_transformations_that_centre() -> None:
     moved = cone @ matrix.T
     assert np.abs((moved[:, :3] / moved[:, 3:]).mean(axis=0)).max() < 1e-13
     assert left < 1e-13
-    # The formula of maths.md 7.1 for one point.
+    # The formula of mathematics.md 7.1 for one point.
     w = np.array([0.3, -0.2, 0.5])
     size, point = float(np.linalg.norm(w)), t[7]
     e = w / size

@@ -106,7 +106,8 @@ def test_edge_axes_of_other_nets_are_refused_with_the_edge() -> None:
 
 
 def test_heights_of_beams_differ_on_a_vertex_offset() -> None:
-    """maths.md 11a: with a circular vertex offset only the distances of vertices are constant."""
+    """mathematics.md 11a: with a circular vertex offset only the distances of vertices are
+    constant."""
     mesh = generate("circular")
     spread = support_structure(mesh, "normal").beam_height_spread
     assert spread is not None

@@ -87,7 +87,7 @@ def test_minimal_nets(name: str) -> None:
 
 
 def test_angle_sums_of_the_dual_are_4_pi_less_those_of_the_koebe_net() -> None:
-    """maths.md 7.5: more than 2 pi, as the vertices of a Koebe polyhedron are convex."""
+    """mathematics.md 7.5: more than 2 pi, as the vertices of a Koebe polyhedron are convex."""
     net = schwarz_p(6)
     inner = ~net.mesh.boundary_vertex
     for mesh, sign in ((net.mesh, 1), (net.gauss.mesh, -1)):
@@ -142,7 +142,7 @@ def test_koebe_vertices_of_planar_circles() -> None:
     vertex, length = koebe_vertex(centre, radius)
     assert np.abs(vertex - pole).max() < 1e-14
     assert length**2 == pytest.approx(vertex @ vertex - 1)
-    # maths.md 7.2 for C = (1, 0), r = 1/2: |C|^2 - r^2 = 3/4.
+    # mathematics.md 7.2 for C = (1, 0), r = 1/2: |C|^2 - r^2 = 3/4.
     vertex, length = koebe_vertex([1.0, 0.0], 0.5)
     assert vertex == pytest.approx([8 / 7, 0.0, -1 / 7], abs=1e-15)
     assert length == pytest.approx(4 / 7, abs=1e-15)

@@ -107,7 +107,8 @@ def test_spherical_nets_are_t_nets_by_the_star_triangle_map() -> None:
 
 
 def test_spherical_fourth_number_check() -> None:
-    """maths.md 3.4: n_12 = (.43082141, -.59302326, .68023256), as m_12 = -n_12 with m_1 = -n_1."""
+    """mathematics.md 3.4: n_12 = (.43082141, -.59302326, .68023256), as m_12 = -n_12 with m_1 =
+    -n_1."""
     n, n1, n2 = np.array([[0, 0, 1], [np.sqrt(0.19), 0, 0.9], [0, -0.6, 0.8]])
     n12 = -spherical_fourth(n, -n1, n2)
     assert n12 == pytest.approx([0.43082141, -0.59302326, 0.68023256], abs=1e-8)

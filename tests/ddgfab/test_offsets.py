@@ -133,7 +133,7 @@ def test_combescure_gives_all_parallel_nets() -> None:
 
 
 def test_a_net_and_its_parallel_net_are_layers_of_a_conjugate_net() -> None:
-    """maths.md 1.10: the quads between them are planar, trapezoids."""
+    """mathematics.md 1.10: the quads between them are planar, trapezoids."""
     x = planar_net(5, 4)
     y = combescure(x, np.linspace(0.7, 1.2, 5), np.linspace(1.3, 0.9, 4), x[0, 0] + [5, 9, 300])
     layers = np.stack([x, y], axis=2)

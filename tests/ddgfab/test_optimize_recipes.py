@@ -158,7 +158,8 @@ def test_conicalize_reaches_vertices_of_any_valence(mesh_file: Callable[[str], P
 def test_an_asymptotic_net_is_said_to_be_far_from_a_planar_one(
     mesh_file: Callable[[str], Path],
 ) -> None:
-    """Nets along asymptotic lines are as far from planar ones as nets can be: maths.md 3.1."""
+    """Nets along asymptotic lines are as far from planar ones as nets can be: mathematics.md
+    3.1."""
     result = planarize(read_mesh(mesh_file("helical_minimal.obj")).mesh, throw=False)
     assert result.status == "missed" or any("diameter" in line for line in result.remarks)
 

@@ -38,7 +38,7 @@ def planar_net(rows: int = 5, cols: int = 4) -> Mesh:
 def conical_net() -> tuple[Mesh, Floats]:
     """Planes through the vertices of a circular net across its normals meet in a conical net.
 
-    Its interior vertex (i, j) touches a cone about the axis of a circle (maths.md 2.8).
+    Its interior vertex (i, j) touches a cone about the axis of a circle (mathematics.md 2.8).
     """
     net = canopy(9, 7, 1400.0).vertices.reshape(10, 8, 3)
     normals = vertex_normals(net, unit(reflected_axes(grid_mesh(net))[0]))
@@ -261,7 +261,7 @@ def test_edge_planes_hold_edge_and_axes_and_point_left() -> None:
 
 
 def test_certificate_counts_a_known_torsion() -> None:
-    """One edge, axes 10 deg apart about it: torsion 10 deg (maths.md 10.2)."""
+    """One edge, axes 10 deg apart about it: torsion 10 deg (mathematics.md 10.2)."""
     mesh = Mesh.build([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
     axes = np.tile([0.0, 0.0, 2.0], (4, 1))
     axes[1] = [0, np.sin(np.radians(10)), np.cos(np.radians(10))]

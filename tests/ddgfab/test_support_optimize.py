@@ -114,7 +114,7 @@ def test_family_of_a_disk_has_dimension_half_the_boundary_plus_two(rows: int, co
 def test_published_meshes(
     mesh_file: Callable[[str], Path], name: str, scale: float, greatest: float, mean: float
 ) -> None:
-    """Leans as an independent study measured them (fabrication.md), within 2 %."""
+    """Leans as an independent study measured them (docs/parts.md), within 2 %."""
     mesh = read_mesh(mesh_file(name)).mesh.scaled(scale)
     structure = optimize(mesh)
     # Measured afresh, by the route that knows nothing of the solver.

@@ -106,7 +106,7 @@ def test_node_torsion_gives_the_axes_back_and_sees_a_turned_plane() -> None:
 
 
 def test_twist_of_ten_degrees() -> None:
-    """maths.md 10.2: e = (1, 0, 0), axes (0, 0, 1) and (0, sin 10, cos 10) deg."""
+    """mathematics.md 10.2: e = (1, 0, 0), axes (0, 0, 1) and (0, sin 10, cos 10) deg."""
     mesh = Mesh.build([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
     tilt = np.radians(10.0)
     axes = np.tile([0.0, 0.0, 1.0], (4, 1))
@@ -165,7 +165,7 @@ def test_incircle_axes_of_a_cp_mesh_support_its_dual() -> None:
 
 
 def test_circle_axes_support_the_dual_of_a_circular_net() -> None:
-    """maths.md 10.6: at any points of the axes that make edges, here the conical partner."""
+    """mathematics.md 10.6: at any points of the axes that make edges, here the conical partner."""
     x = circular_net()
     structure = SupportStructure.of(
         grid_mesh(circular_to_conical(x)), circle_axes(x)[1].reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Smooth isothermic parametrisations and their duals: maths.md 5.4, 6.2."""
+"""Smooth isothermic parametrisations and their duals: mathematics.md 5.4, 6.2."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_other_parametrisations_are_told_apart() -> None:
 
 
 def test_dual_of_the_sphere_is_the_catenoid() -> None:
-    """maths.md 6.2; Simpson's rule has order 4, the closing defect shows the same."""
+    """mathematics.md 6.2; Simpson's rule has order 4, the closing defect shows the same."""
     errors, defects = [], []
     for n in (8, 16, 32):
         u, v = np.linspace(-0.8, 0.8, n + 1), np.linspace(0.0, 1.6, n + 1)

@@ -64,7 +64,7 @@ def slopes(surface: Callable[[Floats, Floats], KSurface]) -> list[Floats]:
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_unit_speed_asymptotic_lines(name: str) -> None:
-    """maths.md 5.5: E = G = 1, L = N = 0, |n_k| = 1, torsion +-1, K = -1, on all four."""
+    """mathematics.md 5.5: E = G = 1, L = N = 0, |n_k| = 1, torsion +-1, K = -1, on all four."""
     x_u, x_v, n_u, n_v = slopes(SURFACES[name])
     n = SURFACES[name](U, V).normals
     assert np.abs(dot(n, n) - 1.0).max() < 1e-13
@@ -81,7 +81,7 @@ def test_unit_speed_asymptotic_lines(name: str) -> None:
 
 
 def test_transform_of_the_line() -> None:
-    """maths.md 5.5: |x' - x| = sin sigma, tangent at both ends, <n, n'> = cos sigma."""
+    """mathematics.md 5.5: |x' - x| = sin sigma, tangent at both ends, <n, n'> = cos sigma."""
     surface, theta = dini(U, V, SIGMA, 0.6), U + V
     line = np.stack([0 * theta, 0 * theta, U - V], axis=-1)
     normal = np.stack([np.cos(theta), np.sin(theta), 0 * theta], axis=-1)
@@ -163,7 +163,7 @@ def test_surface_of_a_breather_is_the_breather() -> None:
 
 
 def test_amsler_numbers_and_series() -> None:
-    """maths.md 3.14, and the equation r f'' + f' = sin f on both sides of 0."""
+    """mathematics.md 3.14, and the equation r f'' + f' = sin f on both sides of 0."""
     f, _ = amsler_angle([0.25, 1.0], np.pi / 3)
     assert np.abs(f - [1.269963844788, 1.983241599173]).max() < 2e-12
     h = 1e-3

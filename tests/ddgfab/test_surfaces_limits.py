@@ -43,7 +43,8 @@ def net_of_soliton(n: int) -> KNet:
 
 
 def test_amsler_table() -> None:
-    """maths.md 3.14: the angle of the last cell against f(((M + 1/2) / M)^2), printed numbers."""
+    """mathematics.md 3.14: the angle of the last cell against f(((M + 1/2) / M)^2), printed
+    numbers."""
     start, errors = np.pi / 3, []
     for m in (8, 16, 32, 64):
         net = amsler_net(np.full(m + 1, 1 / m), np.full(m + 1, 1 / m), start)
@@ -68,7 +69,8 @@ def test_amsler_net_tends_to_the_surface() -> None:
 
 
 def test_pseudosphere_distance_is_the_closed_form() -> None:
-    """maths.md 3.9: at equal radius, rings stand s (1 - sin(alpha) / L) off the smooth ones."""
+    """mathematics.md 3.9: at equal radius, rings stand s (1 - sin(alpha) / L) off the smooth
+    ones."""
     for n in (8, 16, 32):
         alpha = np.pi / n
         step = np.log(np.tan(np.pi / 4 + alpha / 2))
@@ -118,7 +120,7 @@ def test_crab_nets_tend_to_waisted_surfaces() -> None:
 def test_hirota_equation_tends_to_sine_gordon() -> None:
     """Cauchy data from a soliton: angle and second difference of h tend to phi and sin(phi).
 
-    (h_12 - h_1 - h_2 + h) / eps^2 -> sin(phi), both with second order; maths.md 3.8.
+    (h_12 - h_1 - h_2 + h) / eps^2 -> sin(phi), both with second order; mathematics.md 3.8.
     """
     angle_errors, equation_errors = [], []
     for n in (16, 32, 64):

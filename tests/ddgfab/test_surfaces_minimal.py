@@ -67,7 +67,7 @@ def test_metric_normals_and_curvature(name: str) -> None:
 
 
 def test_closed_forms() -> None:
-    """maths.md 5.3."""
+    """mathematics.md 5.3."""
     wanted = 0.5 * np.stack([U - U**3 / 3 + U * V**2, -V + V**3 / 3 - U**2 * V, U**2 - V**2], -1)
     assert np.abs(smooth_enneper().points(Z) - wanted).max() < 1e-15
     assert np.abs(smooth_enneper().net(U[:, 0], V[0]) - wanted).max() < 1e-15
@@ -83,7 +83,7 @@ def test_closed_forms() -> None:
 
 @pytest.mark.parametrize("angle", [0.4, np.pi / 2, 2.0])
 def test_members_turn_about_the_normal_as_discrete_ones_do(angle: float) -> None:
-    """maths.md 7.7: dx goes to cos(angle) dx + sin(angle) n x dx; by differences."""
+    """mathematics.md 7.7: dx goes to cos(angle) dx + sin(angle) n x dx; by differences."""
     surface = smooth_catenoid()
     other, n = surface.conjugate(angle), surface.normals(Z)
     for step in (STEP, 1j * STEP):

@@ -32,7 +32,7 @@ def one(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def test_printed_number() -> None:
-    """maths.md 5.2."""
+    """mathematics.md 5.2."""
     u, v = 0.3, -0.4
     got = permute(0.0, soliton(u, v, 0.7, 1.0), soliton(u, v, 1.3, 0.5), 0.7, 1.3)
     assert got == pytest.approx(-1.42434448882123, abs=1e-14)

@@ -226,7 +226,7 @@ def test_ranges_against_dense_samples(make: object) -> None:
 
 
 def test_reference_case() -> None:
-    """fabrication.md: arcs 18-174 and 186-343 deg of the joint angle theta = 180 - phi, at 0.4 mm.
+    """docs/parts.md: arcs 18-174 and 186-343 deg of the joint angle theta = 180 - phi, at 0.4 mm.
 
     With eyes of 10 mm and 3 mm pins the arcs are 18.9-174.0 and 186.0-341.1 deg here; for the bars
     alone they are 13.6-175.7 and 184.3-346.4 deg, so the two degrees of difference are the joints'

@@ -115,7 +115,7 @@ def conicality_terms(
     Three planar faces always touch one; vertices of higher valence: `cone_terms`. Use together
     with `planarity_terms`.
 
-    Source: Wang, Wallner, Liu 2007, theorem on angle sums; maths.md 2.9.
+    Source: Wang, Wallner, Liu 2007, theorem on angle sums; mathematics.md 2.9.
     """
     chosen = np.zeros(mesh.n_vertices, dtype=bool)
     chosen[slice(None) if vertices is None else np.asarray(vertices, dtype=np.int64)] = True

@@ -63,7 +63,7 @@ def cone_terms(
     Residuals are heights of unit normals across the plane through them [rad]. Use together with
     `planarity_terms`, and with `conicality_terms` for valence 4.
 
-    Source: Wang, Wallner, Liu 2007; maths.md 2.9 (a).
+    Source: Wang, Wallner, Liu 2007; mathematics.md 2.9 (a).
     """
     chosen = np.zeros(mesh.n_vertices, dtype=bool)
     chosen[slice(None) if vertices is None else np.asarray(vertices, dtype=np.int64)] = True

@@ -169,7 +169,7 @@ def opposite_sides(mesh: Mesh, *, weight: float = 1.0, hard: bool = False) -> Si
     InputError
         No quads.
 
-    Source: maths.md 3.6, 3.10.
+    Source: mathematics.md 3.6, 3.10.
     """
     ids, corners = polygon_corners(mesh, _QUAD)
     if not len(ids):

@@ -54,7 +54,7 @@ def plane_stars(
     InputError
         No vertex of valence 3 or more among those chosen.
 
-    Source: maths.md 3.1, 3.5; Bobenko, Suris, Discrete Differential Geometry, 2.4.
+    Source: mathematics.md 3.1, 3.5; Bobenko, Suris, Discrete Differential Geometry, 2.4.
     """
     chosen = np.zeros(mesh.n_vertices, dtype=bool)
     chosen[slice(None) if vertices is None else np.asarray(vertices, dtype=np.int64)] = True

@@ -140,7 +140,7 @@ def planarity_terms(
 
     Residuals are parts of the face's mean diagonal; for quads: distance of the diagonals.
 
-    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3; maths.md 1.3, 8.5.
+    Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3; mathematics.md 1.3, 8.5.
     """
     chosen = np.zeros(mesh.n_faces, dtype=bool)
     chosen[slice(None) if faces is None else np.asarray(faces, dtype=np.int64)] = True
