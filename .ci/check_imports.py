@@ -44,7 +44,7 @@ ROOMS = [
     "schedules",
     "designs",
     "problems",
-    "parts",
+    "job",
     "records",
     "pool",
     "pipeline",

@@ -24,7 +24,7 @@ from fabrication.export.manifest import (
     write_manifest,
 )
 from fabrication.export.tables import write_xlsx
-from fabrication.parts import (
+from fabrication.job.part import (
     PartJob,
     PartResult,
     VerifyTask,

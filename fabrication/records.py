@@ -12,7 +12,7 @@ from fabrication.designs import Design
 from fabrication.detailing.clearance import PANEL_CLEARANCE
 from fabrication.export.manifest import part_record
 from fabrication.export.step import Header, Material
-from fabrication.parts import PartResult, PartSettings
+from fabrication.job.part import PartResult, PartSettings
 from fabrication.schedules import mass_kg
 from fabrication.specs import Check, Role
 

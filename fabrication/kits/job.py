@@ -26,6 +26,14 @@ from fabrication.export.manifest import (
 )
 from fabrication.export.step import Header, Material
 from fabrication.export.tables import write_xlsx
+from fabrication.job.part import (
+    PartJob,
+    PartResult,
+    PartSettings,
+    assemble,
+    make_parts,
+    verify_parts,
+)
 from fabrication.kits.kit import Kit
 from fabrication.kits.moving import lying_broad, moving_scene, report_page, write_pictures
 from fabrication.kits.page import MovingScene, write_page
@@ -33,7 +41,6 @@ from fabrication.kits.poses import check_poses
 from fabrication.kits.printing import PRINTED_CHORD_MM, write_plates
 from fabrication.kits.schedules import kit_schedules
 from fabrication.linkage.motion_confirm import poses_to_confirm
-from fabrication.parts import PartJob, PartResult, PartSettings, assemble, make_parts, verify_parts
 from fabrication.pipeline import JobResult, staged
 from fabrication.pool import Workers
 from fabrication.problems import problems_of

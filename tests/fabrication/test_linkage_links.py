@@ -18,6 +18,7 @@ from ddgfab.nets import amsler
 from fabrication.checks.mesh import to_manifold
 from fabrication.export.step import Header, Material
 from fabrication.families import families
+from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
 from fabrication.linkage.coupon import coupon_shape
 from fabrication.linkage.facing import facings
 from fabrication.linkage.labels import label_for, short_number
@@ -31,7 +32,6 @@ from fabrication.linkage.links import (
 )
 from fabrication.linkage.settings import settings_for
 from fabrication.linkspecs import CouponShape, Label, LinkShape, PinShape, RingShape
-from fabrication.parts import PartJob, PartSettings, make_part, verify_parts
 from fabrication.solids import boundary_of, mesh_of
 from fabrication.specs import Fitting, Link, Pin
 from fabrication.standards import Printer, printer, printer_keys

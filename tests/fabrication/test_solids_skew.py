@@ -12,7 +12,7 @@ from solids_table import FLAT, FREE, HOLES, RHS, T_BAR, beam
 
 from ddgfab.errors import DetailError
 from fabrication.export.step import Header, Material
-from fabrication.parts import PartJob, PartSettings, make_part, verify_parts
+from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
 from fabrication.shapes import beam_variants, fibre_ends, is_skew, shape_key
 from fabrication.solids import boundary_of, properties_of, second_volume_of, volume_of
 from fabrication.specs import BeamShape, CrossHole, EndCut, Profile

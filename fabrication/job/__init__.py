@@ -1,0 +1,1 @@
+"""The job of a product: parts made, checked and written."""
