@@ -15,11 +15,11 @@ from ddgfab.linkages import Mechanism, knet_mechanism
 from ddgfab.linkages.lattice import Lattice
 from ddgfab.nets.knet_dini import of_normals
 from fabrication.linkage.bodies import bodies
-from fabrication.linkage.capsules import Pieces
-from fabrication.linkage.contacts_pairs import near_pairs
 from fabrication.linkage.links import detail_linkage
-from fabrication.linkage.motion import free_motion
 from fabrication.linkage.settings import settings_for
+from fabrication.motion.capsules import Pieces
+from fabrication.motion.free_range import free_motion
+from fabrication.motion.pairs import near_pairs
 
 CLEARANCE = 0.4
 BAR_MM = 55.0

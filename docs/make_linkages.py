@@ -11,9 +11,9 @@ from pathlib import Path
 
 from PIL import Image
 
-from fabrication.kits.animation import animation_gif
-from fabrication.kits.kit import Kit, kit
-from fabrication.kits.moving import moving_scene
+from fabrication.linkage.animation import animation_gif
+from fabrication.linkage.kit import Kit, kit
+from fabrication.linkage.scene import moving_scene
 
 TARGET = Path(__file__).parent / "linkages.png"
 SIZE = (400, 300)

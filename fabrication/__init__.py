@@ -9,20 +9,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fabrication.designs import Design, design
+    from fabrication.gridshell.design import Design, design
     from fabrication.kits.job import make_kit
-    from fabrication.kits.kit import Kit, kit
+    from fabrication.linkage.kit import Kit, kit
     from fabrication.pipeline import JobResult, make
 
 __all__ = ["Design", "JobResult", "Kit", "design", "kit", "make", "make_kit"]
 
 _HOMES = {
-    "Design": "fabrication.designs",
-    "design": "fabrication.designs",
+    "Design": "fabrication.gridshell.design",
+    "design": "fabrication.gridshell.design",
     "JobResult": "fabrication.pipeline",
     "make": "fabrication.pipeline",
-    "Kit": "fabrication.kits.kit",
-    "kit": "fabrication.kits.kit",
+    "Kit": "fabrication.linkage.kit",
+    "kit": "fabrication.linkage.kit",
     "make_kit": "fabrication.kits.job",
 }
 

@@ -14,8 +14,6 @@ from typing import Any, Final
 from ddgfab.errors import OutputError
 from ddgfab.optimize.report import comparison
 from fabrication.checks.assembly import check_assembly
-from fabrication.designs import Design, Progress
-from fabrication.export.deviation import write_deviation
 from fabrication.export.folder import OutputFolder, safe_name
 from fabrication.export.manifest import (
     MANIFEST,
@@ -24,6 +22,8 @@ from fabrication.export.manifest import (
     write_manifest,
 )
 from fabrication.export.tables import write_xlsx
+from fabrication.gridshell.design import Design, Progress
+from fabrication.gridshell.schedules import mass_kg, schedules
 from fabrication.job.part import (
     PartJob,
     PartResult,
@@ -33,10 +33,10 @@ from fabrication.job.part import (
     make_parts,
     verify_parts,
 )
+from fabrication.pictures.deviation import write_deviation
 from fabrication.pool import Workers, worker_pool
 from fabrication.problems import problems_of
 from fabrication.records import CHORD_MM, clearances, part_records, part_settings
-from fabrication.schedules import mass_kg, schedules
 from fabrication.specs import Check, Family
 
 REJECTED: Final = "rejected"

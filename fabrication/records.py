@@ -8,12 +8,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from fabrication.designs import Design
-from fabrication.detailing.clearance import PANEL_CLEARANCE
 from fabrication.export.manifest import part_record
 from fabrication.export.step import Header, Material
+from fabrication.gridshell.design import Design
+from fabrication.gridshell.detailing.clearance import PANEL_CLEARANCE
+from fabrication.gridshell.schedules import mass_kg
 from fabrication.job.part import PartResult, PartSettings
-from fabrication.schedules import mass_kg
 from fabrication.specs import Check, Role
 
 CHORD_MM: Final = 0.05

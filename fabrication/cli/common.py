@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from fabrication.designs import Progress
+    from fabrication.gridshell.design import Progress
 
 app = typer.Typer(
     help="Discrete surfaces into things that can be built: torsion-free gridshells as checked "

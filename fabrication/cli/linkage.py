@@ -11,7 +11,7 @@ import typer
 from fabrication.cli.common import Debug, app, errors, progress, sections_of, words
 
 if TYPE_CHECKING:
-    from fabrication.kits.kit import Kit
+    from fabrication.linkage.kit import Kit
     from fabrication.pipeline import JobResult
 
 
@@ -55,7 +55,7 @@ def linkage_command(
     """A Bennett linkage, a 12-bar cube or a whole K-net as a kit that prints and moves."""
     with errors(debug), progress() as tell:
         from fabrication.kits.job import make_kit
-        from fabrication.kits.kit import detail_kit, find_kit_project
+        from fabrication.linkage.kit import detail_kit, find_kit_project
         from fabrication.pool import worker_pool
 
         begin = time.perf_counter()

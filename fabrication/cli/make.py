@@ -12,7 +12,7 @@ from fabrication.cli.common import Debug, app, errors, progress, sections_of, wo
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Ints
-    from fabrication.designs import Design
+    from fabrication.gridshell.design import Design
     from fabrication.pipeline import JobResult
 
 
@@ -40,7 +40,7 @@ def make_command(
 ) -> None:
     """From a mesh or project to checked CAD files and schedules."""
     with errors(debug), progress() as tell:
-        from fabrication.designs import design_net, find_project, load_net
+        from fabrication.gridshell.design import design_net, find_project, load_net
         from fabrication.pipeline import make
         from fabrication.pool import worker_pool
 

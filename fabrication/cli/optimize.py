@@ -50,7 +50,7 @@ def optimize_command(
         from ddgfab.io.atomic import atomic_path
         from ddgfab.optimize import TorsionFreeResult
         from ddgfab.optimize.report import comparison, comparison_text
-        from fabrication.designs import optimise
+        from fabrication.gridshell.design import optimise
 
         check_target(target)
         settings = _settings(goal, boundary, fix, features, max_movement, change or [])
@@ -122,7 +122,7 @@ def _keep_apart(error: Any, target: Path) -> None:
 def _draw(target: Path, result: OptimizeResult) -> str:
     """The picture of the movement; a warning where this machine cannot draw."""
     from ddgfab.errors import OutputError
-    from fabrication.export.deviation import write_deviation
+    from fabrication.pictures.deviation import write_deviation
 
     try:
         write_deviation(target.with_suffix(".png"), result.mesh, result.movement)

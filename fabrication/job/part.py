@@ -16,7 +16,6 @@ from fabrication.checks.mesh import check_mesh
 from fabrication.checks.solid import check_solid
 from fabrication.checks.whole import check_step_assembly
 from fabrication.export.glb import write_glb
-from fabrication.export.preview import write_preview
 from fabrication.export.step import (
     COLOURS,
     Header,
@@ -28,6 +27,7 @@ from fabrication.export.step import (
 )
 from fabrication.export.stl import stl_bytes
 from fabrication.export.threemf import Body3MF, threemf_bytes
+from fabrication.pictures.preview import write_preview
 from fabrication.solids import boundary_of, realise, second_volume_of, solid_of
 from fabrication.specs import Check, Family, Placement, Properties, Role, Shape, TriangleMesh
 

@@ -14,7 +14,6 @@ from typing import Any, Final
 import numpy as np
 
 from fabrication.checks.file import check_threemf
-from fabrication.designs import Progress
 from fabrication.export.folder import safe_name
 from fabrication.export.glb import write_glb
 from fabrication.export.manifest import (
@@ -26,6 +25,8 @@ from fabrication.export.manifest import (
 )
 from fabrication.export.step import Header, Material
 from fabrication.export.tables import write_xlsx
+from fabrication.gridshell.design import Progress
+from fabrication.gridshell.schedules import mass_kg
 from fabrication.job.part import (
     PartJob,
     PartResult,
@@ -34,17 +35,16 @@ from fabrication.job.part import (
     make_parts,
     verify_parts,
 )
-from fabrication.kits.kit import Kit
-from fabrication.kits.moving import lying_broad, moving_scene, report_page, write_pictures
-from fabrication.kits.page import MovingScene, write_page
-from fabrication.kits.poses import check_poses
-from fabrication.kits.printing import PRINTED_CHORD_MM, write_plates
-from fabrication.kits.schedules import kit_schedules
-from fabrication.linkage.motion_confirm import poses_to_confirm
+from fabrication.linkage.kit import Kit
+from fabrication.linkage.page import MovingScene, write_page
+from fabrication.linkage.poses import check_poses
+from fabrication.linkage.printing import PRINTED_CHORD_MM, write_plates
+from fabrication.linkage.scene import lying_broad, moving_scene, report_page, write_pictures
+from fabrication.linkage.schedules import kit_schedules
+from fabrication.motion.confirm import poses_to_confirm
 from fabrication.pipeline import JobResult, staged
 from fabrication.pool import Workers
 from fabrication.problems import problems_of
-from fabrication.schedules import mass_kg
 from fabrication.specs import Check, Role, TriangleMesh
 from fabrication.table import Table
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.linkage.capsules import Body, Piece, cylinder, hull
 from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
+from fabrication.motion.capsules import Body, Piece, cylinder, hull
 from fabrication.solids.linkframe import Eye, bar_corners, eyes_of, label_corners
 from fabrication.specs import Fitting, Link, Pin
 

@@ -1,7 +1,7 @@
 """Which of the possible levels a linkage gets: few part numbers, low stacks, a large free range.
 
 Choices are ranked with capsules at sampled driving angles, which is cheap and only a ranking: what
-moves freely is certified afterwards, by `fabrication.linkage.motion`.
+moves freely is certified afterwards, by `fabrication.motion.free_range`.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from scipy.spatial import cKDTree
 from ddgfab.errors import DetailError
 from ddgfab.linkages import Mechanism, Pose
 from ddgfab.mesh import Floats, Ints
-from fabrication.linkage.contacts import segment_difference
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkage.shapes import heights_of, link_shapes, seats_of
 from fabrication.linkshapes import link_key_of
 from fabrication.linkspecs import LinkShape
+from fabrication.motion.contacts import segment_difference
 from fabrication.solids.link import link_boundary
 from fabrication.solids.linkframe import bar_radius, eyes_of
 

@@ -14,17 +14,17 @@ from ddgfab.linkages import Mechanism, Pose
 from ddgfab.mesh import Floats, Ints
 from fabrication.families import families
 from fabrication.linkage.bodies import bodies
-from fabrication.linkage.capsules import Pieces
 from fabrication.linkage.choose import Prefer, check_links, rank_levels
-from fabrication.linkage.contacts_pairs import Rules
 from fabrication.linkage.coupon import coupon_shape, pin_for_test
 from fabrication.linkage.labels import label_for, short_number
 from fabrication.linkage.levels import even_levels
-from fabrication.linkage.motion import JOINT_CLEARANCE
-from fabrication.linkage.motion_proof import Search
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkage.shapes import Seat, heights_of, link_shapes, seats_of
 from fabrication.linkspecs import Label, LinkShape, PinShape
+from fabrication.motion.capsules import Pieces
+from fabrication.motion.free_range import JOINT_CLEARANCE
+from fabrication.motion.pairs import Rules
+from fabrication.motion.proof import Search
 from fabrication.specs import Check, Family, Fitting, Link, Piece, Pin, Placement, Role
 
 LINK_TOLERANCE: Final = 1e-6

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from roofs import barrel
 
-from fabrication.designs import Design, design
+from fabrication.gridshell.design import Design, design
 from fabrication.pipeline import JobResult, make
 
 

@@ -21,9 +21,9 @@ from fabrication.checks.mesh import measure_mesh, to_manifold
 from fabrication.export.stl import read_stl
 from fabrication.export.threemf import read_threemf
 from fabrication.kits.job import make_kit
-from fabrication.kits.kit import Kit, kit
-from fabrication.kits.poses import check_poses, limit_on_pin
-from fabrication.kits.printing import PRINTED_CHORD_MM
+from fabrication.linkage.kit import Kit, kit
+from fabrication.linkage.poses import check_poses, limit_on_pin
+from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.pipeline import JobResult
 from fabrication.specs import Link, LinkShape, TriangleMesh
 

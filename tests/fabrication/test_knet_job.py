@@ -19,8 +19,8 @@ from ddgfab.nets.registry import generate
 from ddgfab.support import support_structure
 from ddgfab.support.asymptotic import surface_normals
 from fabrication import design, make
-from fabrication.designs import Design
-from fabrication.detailing import Gridshell
+from fabrication.gridshell.design import Design
+from fabrication.gridshell.detailing import Gridshell
 from fabrication.specs import Beam
 from fabrication.standards.profiles import z_range
 

@@ -18,7 +18,7 @@ from ddgfab.nets.koebe_solids import cube_cells
 from ddgfab.offsets import classify_offset
 from fabrication import design
 from fabrication.cli import app
-from fabrication.designs import Design
+from fabrication.gridshell.design import Design
 from fabrication.project import load_project
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"

@@ -10,7 +10,7 @@ import pytest
 from ddgfab.mesh import Floats
 from ddgfab.offsets import classify_offset, face_offset, vertex_offset
 from fabrication import design
-from fabrication.designs import Design
+from fabrication.gridshell.design import Design
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 DISTANCE = 300.0

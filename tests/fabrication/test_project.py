@@ -9,7 +9,7 @@ import pytest
 
 from ddgfab.errors import ProjectError
 from ddgfab.nets.registry import find_generator, kinds
-from fabrication.designs import load_net
+from fabrication.gridshell.design import load_net
 from fabrication.project import Project, load_project, make_project, project_for_mesh
 
 NET = '[net]\nkind = "mesh"\nfile = "roof.obj"\n'

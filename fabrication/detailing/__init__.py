@@ -1,5 +1,0 @@
-"""Support structure -> specs: beams, nodes and panels as plain numbers."""
-
-from fabrication.detailing.gridshell import Gridshell, detail
-
-__all__ = ["Gridshell", "detail"]

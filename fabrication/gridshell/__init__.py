@@ -1,0 +1,1 @@
+"""The product gridshell: from a mesh to beams, nodes and panels, their families and schedules."""

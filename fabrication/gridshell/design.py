@@ -1,0 +1,304 @@
+"""Design: everything about a gridshell that needs no CAD, from a mesh to its schedules."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, TypeAlias, cast
+
+import numpy as np
+
+from ddgfab.errors import InputError
+from ddgfab.io import read_mesh
+from ddgfab.measures import Report, inspect
+from ddgfab.mesh import Floats, Mesh
+from ddgfab.nets.generators import GENERATORS
+from ddgfab.nets.registry import find_generator, generate
+from ddgfab.optimize import Goal, OptimizeResult, TorsionFreeResult, optimize
+from ddgfab.support import SupportKind, SupportStructure, support_structure
+from fabrication.families import families
+from fabrication.gridshell.detailing import Gridshell, detail
+from fabrication.gridshell.schedules import schedules
+from fabrication.project import MESH, OptimizeSettings, Project, load_project, project_for_mesh
+from fabrication.specs import Family
+from fabrication.table import Table
+
+Progress: TypeAlias = Callable[[str, int, int], None]
+"""Called with the step's name, how much of it is done, and how much there is (0: unknown)."""
+
+Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] | None"
+"""A project file, a mesh file, a mesh, (vertices, faces), or None for the built-in example."""
+
+
+GIVEN: Final = "mesh given in Python"
+"""Stands for the kind of net where a script gave the mesh itself."""
+
+EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
+"""The built-in example."""
+
+SHORTEST_MEDIAN_MM: Final = 20.0
+"""A median edge below this [mm] means that the mesh is in another unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class NetInput:
+    """A net [mm] and where it came from: file and sha256, reader's notes.
+
+    The file is that of the mesh, or of the combinatorics that a generated net starts from; None
+    where there is none.
+    """
+
+    mesh: Mesh
+    file: str | None
+    sha256: str | None
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Design:
+    """A gridshell as numbers: net, measures, support structure, specs, families, schedules.
+
+    `optimized` says what [optimize] did to the net, whose result is `source.mesh`; None without.
+    Made by `design`. Loads no CAD kernel until solids are asked for.
+    """
+
+    project: Project
+    source: NetInput
+    measures: Report
+    support: SupportStructure
+    gridshell: Gridshell
+    families: tuple[Family, ...]
+    seconds: Mapping[str, float]
+    optimized: OptimizeResult | None = None
+
+    @property
+    def mesh(self) -> Mesh:
+        """The net, in millimetres."""
+        return self.source.mesh
+
+    def __repr__(self) -> str:
+        grid = self.gridshell
+        return (
+            f"Design({self.project.name}: {len(grid.beams)} beams, {len(grid.nodes)} nodes, "
+            f"{len(grid.panels)} panels of {len(self.families)} part numbers, "
+            f"torsion max {self.support.torsion_deg_max:.1e} deg, "
+            f"lean max {self.support.lean_deg_max:.1f} deg)"
+        )
+
+    @cached_property
+    def schedules(self) -> dict[str, Table]:
+        """The schedules "panels", "beams" and "nodes": plain dictionaries as rows."""
+        return schedules(self.gridshell, self.families)
+
+    @property
+    def beams(self) -> Table:
+        """Schedule of the beams, as in beams.csv."""
+        return self.schedules["beams"]
+
+    @property
+    def nodes(self) -> Table:
+        """Schedule of the nodes, as in nodes.csv."""
+        return self.schedules["nodes"]
+
+    @property
+    def panels(self) -> Table:
+        """Schedule of the panels, as in panels.csv."""
+        return self.schedules["panels"]
+
+    def to_build123d(self) -> Any:
+        """A labelled `build123d.Compound`: children Beams, Nodes, Panels with a solid a piece."""
+        from fabrication.export.hand_over import to_build123d
+
+        return to_build123d(self.project.name, self.families)
+
+    def to_cadquery(self) -> Any:
+        """A `cadquery.Assembly` with a named, coloured, placed solid for each piece."""
+        from fabrication.export.hand_over import to_cadquery
+
+        return to_cadquery(self.project.name, self.families)
+
+    def _repr_png_(self) -> bytes:
+        from fabrication.pictures.preview import preview_png
+
+        return preview_png(self.families)
+
+
+def design(
+    source: Source = None, *, progress: Progress | None = None, **sections: Mapping[str, Any]
+) -> Design:
+    """From a project, a mesh or arrays to specs and schedules; loads no CAD kernel.
+
+    Parameters
+    ----------
+    source : project file (TOML), mesh file (OBJ, OFF, PLY), `Mesh`, (vertices, faces), or None for
+        the built-in example
+    progress : called as (step, done, of)
+    sections : settings by section that differ from the project's or the defaults, for instance
+        ``beam={"profile": "RHS 100x60x4"}``
+
+    Raises
+    ------
+    DdgError
+        Whatever is wrong with the project, the mesh, the structure or a part, in words.
+    """
+    if isinstance(source, tuple):
+        source = Mesh.build(*source)
+    mesh = source if isinstance(source, Mesh) else None
+    if isinstance(source, Mesh):
+        project = project_for_mesh(GIVEN, sections)  # of any unit, as a file is
+        given = project.net.model_copy(update={"kind": GIVEN, "file": None})
+        project = project.model_copy(update={"net": given})
+    else:
+        project = find_project(source, sections)
+    return design_net(project, load_net(project, mesh), progress)
+
+
+def find_project(source: str | Path | None, sections: Mapping[str, Mapping[str, Any]]) -> Project:
+    """The project of a TOML or mesh file, or the built-in one, with `sections` changed."""
+    if source is None:
+        return load_project(EXAMPLE, sections)
+    if Path(source).suffix.lower() == ".toml":
+        return load_project(source, sections)
+    return project_for_mesh(source, sections)
+
+
+def design_net(project: Project, net: NetInput, progress: Progress | None = None) -> Design:
+    """The design of a validated project on a net that `load_net` read."""
+    tell = progress or (lambda step, done, of: None)
+    seconds: dict[str, float] = {}
+    begin = time.perf_counter()
+
+    def start(step: str) -> None:
+        nonlocal begin
+        tell(step, 0, 0)
+        begin = time.perf_counter()
+
+    def stop(step: str) -> None:
+        seconds[step] = time.perf_counter() - begin
+
+    optimized = None
+    if project.optimize.goal != "none":
+        start("optimise")
+        optimized = optimise(net.mesh, project.optimize, tell)
+        net = replace(net, mesh=optimized.mesh, notes=(*net.notes, *optimized.remarks))
+        stop("optimise")
+    start("measure")
+    measures = inspect(net.mesh)
+    stop("measure")
+    start("support structure")
+    support = support_structure(
+        net.mesh,
+        support_kind(project),
+        axes=optimized.axes if isinstance(optimized, TorsionFreeResult) else None,
+        lean_limit_deg=project.support.lean_limit_deg,
+    )
+    stop("support structure")
+    start("detail")
+    gridshell = detail(net.mesh, support, project)
+    grouped = families(gridshell.pieces, project.checks.family_tolerance_mm)
+    stop("detail")
+    return Design(project, net, measures, support, gridshell, grouped, seconds, optimized)
+
+
+def optimise(
+    mesh: Mesh, settings: OptimizeSettings, progress: Progress | None = None
+) -> OptimizeResult:
+    """The mesh [mm] made what the settings ask for, with its report.
+
+    Raises
+    ------
+    OptimizeError
+        The goal is missed or costs too much movement; carries the best mesh as `result`.
+    InputError
+        A vertex to be fixed that the mesh does not have.
+    """
+    tell = progress or (lambda step, done, of: None)
+    held = settings.fix if isinstance(settings.fix, tuple) else ()
+    angle = settings.feature_angle_deg
+    return optimize(
+        mesh,
+        cast(Goal, settings.goal),
+        fixed=held,
+        boundary="fixed" if settings.fix == "boundary" else settings.boundary,
+        feature_angle=None if angle is None else math.radians(angle),
+        max_movement=settings.max_movement_mm,
+        **_own_options(settings),
+        progress=lambda stage, number, step: tell(f"optimise: {stage}", number, 0),
+    )
+
+
+def _own_options(settings: OptimizeSettings) -> dict[str, Any]:
+    """What only one goal takes."""
+    if settings.goal == "torsion-free":
+        lean = settings.max_lean_deg
+        return {
+            "axes_only": settings.axes_only,
+            "max_lean": None if lean is None else math.radians(lean),
+        }
+    if settings.goal == "families":
+        return {"of": settings.families_of, "fit_tolerance": settings.fit_tolerance_mm}
+    return {}
+
+
+def support_kind(project: Project) -> SupportKind:
+    """The project's kind of node axes; where it names none, what suits its kind of net."""
+    generated = GENERATORS.get(project.net.kind)
+    if generated is None or "kind" in project.support.model_fields_set:
+        return project.support.kind
+    return generated.support
+
+
+def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
+    """The project's net in millimetres; `mesh` is used instead of the project's own.
+
+    Raises
+    ------
+    InputError
+        The mesh cannot be read, or its edges are so short that its unit must be another.
+    DegenerateError
+        Parameters of a generated net that fit their limits but not each other; names the cell.
+    """
+    named: Path | None = None
+    if mesh is None and project.net.kind != MESH:
+        folder = Path() if project.file is None else project.file.parent
+        mesh = generate(project.net.kind, project.net.parameters, folder)
+        for name in find_generator(project.net.kind).files(project.net.parameters):
+            named = folder / project.net.parameters[name]
+    path = project.mesh_path
+    read = read_mesh(path) if mesh is None and path is not None else None
+    if read is not None:
+        mesh = read.mesh
+    if mesh is None:
+        raise InputError(f'[net] kind = "{project.net.kind}" has no mesh of its own')
+    median = float(np.median(mesh.edge_lengths))
+    factor = project.project.factor(median)
+    if median * factor < SHORTEST_MEDIAN_MM:
+        raise InputError(
+            f"the median edge is {median * factor:.3g} mm long; no gridshell has edges under "
+            f"{SHORTEST_MEDIAN_MM:g} mm\n"
+            'Set [project] units = "m", scale = ..., or median_edge_mm = 1500 '
+            "(on the command line: --set project.units=m).",
+            file=None if read is None else read.file,
+        )
+    if named is not None:
+        digest = hashlib.sha256(named.read_bytes()).hexdigest()
+        return NetInput(mesh.scaled(factor), str(named), digest, _notes(project))
+    if read is None:
+        return NetInput(mesh.scaled(factor), None, None, _notes(project))
+    return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes)
+
+
+def _notes(project: Project) -> tuple[str, ...]:
+    """What should be known of a generated net."""
+    if support_kind(project) != "normals" or "kind" in project.support.model_fields_set:
+        return ()
+    return (
+        f'[net] kind = "{project.net.kind}" follows asymptotic lines: no upright axes are free of '
+        "torsion, so node axes are the surface normals and every beam twists between its ends "
+        "([checks] torsion_deg says how far it may)",
+    )

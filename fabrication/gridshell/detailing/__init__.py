@@ -1,0 +1,5 @@
+"""Support structure -> specs: beams, nodes and panels as plain numbers."""
+
+from fabrication.gridshell.detailing.gridshell import Gridshell, detail
+
+__all__ = ["Gridshell", "detail"]

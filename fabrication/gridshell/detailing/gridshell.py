@@ -1,0 +1,110 @@
+"""Gridshell: the whole structure as specs, and the one function that details it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ddgfab.errors import DetailError
+from ddgfab.mesh import Mesh
+from fabrication.gridshell.detailing.beams import beam_specs, end_cuts
+from fabrication.gridshell.detailing.clearance import panel_offset, steel_heights
+from fabrication.gridshell.detailing.frames import Axes, arms_of, edge_frames, node_mark
+from fabrication.gridshell.detailing.nodes import end_heights, node_ends, node_specs
+from fabrication.gridshell.detailing.panels import face_planes, not_flat, panel_specs
+from fabrication.gridshell.detailing.radius import NodeSize, arm_width, close_arms, node_size
+from fabrication.project import Project, make_project
+from fabrication.specs import Beam, Check, Node, Panel, Piece
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Gridshell:
+    """Beams, nodes and panels of a mesh and its node axes, before any CAD.
+
+    Attributes
+    ----------
+    mesh : the mesh, in mm
+    support : the structure that carries the node axes
+    project : the settings
+    beams, nodes, panels : the pieces, by edge, vertex and face
+    size : the dimensions that all nodes share, and the node that forces them
+    offset : the panes' inner surface above the faces [mm]
+    problems : what was found beyond single parts, one sentence each
+    """
+
+    mesh: Mesh
+    support: Axes
+    project: Project
+    beams: tuple[Beam, ...]
+    nodes: tuple[Node, ...]
+    panels: tuple[Panel, ...]
+    size: NodeSize
+    offset: float
+    problems: tuple[str, ...]
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """All pieces: beams, nodes, panels."""
+        return (*self.beams, *self.nodes, *self.panels)
+
+    def failures(self) -> Iterator[tuple[str, Check]]:
+        """Marks and checks of the pieces beyond a limit of the project."""
+        for piece in self.pieces:
+            for check in piece.checks:
+                if not check.passed:
+                    yield piece.mark, check
+
+    def __repr__(self) -> str:
+        torsion = np.degrees(max(beam.torsion for beam in self.beams))
+        lean = np.degrees(max(node.lean for node in self.nodes))
+        return (
+            f"Gridshell({len(self.beams)} beams {self.beams[0].shape.profile.name}, "
+            f"{len(self.nodes)} nodes d {2 * self.size.radius:g} mm "
+            f"(forced by {node_mark(self.size.forced_by)}), {len(self.panels)} panels, "
+            f"torsion {torsion:.1e} deg, lean {lean:.1f} deg, "
+            f"{sum(1 for _ in self.failures())} limits exceeded)"
+        )
+
+
+def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshell:
+    """Beams, nodes and panels of a mesh [mm] with unit node axes, by the rules of docs/parts.md.
+
+    Parameters
+    ----------
+    support : anything with `axes` (V, 3), on the outer side of the faces
+    project : the settings; None means all defaults
+
+    Raises
+    ------
+    DetailError
+        A part cannot be made: nodes too small, beams too short, panes used up.
+        What merely exceeds a limit of the project is a failing check of its piece instead.
+
+    Source: docs/parts.md, Beam, Node element, Panel.
+    """
+    project = make_project({}) if project is None else project
+    axes = np.asarray(support.axes, dtype=np.float64)
+    if axes.shape != mesh.vertices.shape:
+        raise DetailError(f"node axes have shape {axes.shape}; expected {mesh.vertices.shape}")
+    profile = project.beam.section()
+    frames = edge_frames(mesh, axes)
+    arms = arms_of(mesh, axes, frames)
+    size = node_size(arms, arm_width(frames, profile, project), profile, project)
+    cuts = end_cuts(frames, size, project.beam.eccentricity_mm)
+    beams = beam_specs(mesh, frames, cuts, size, profile, project)
+    low, middle, high = end_heights(frames, arms, size, profile, project)
+    ends = node_ends(mesh, arms, low, high, project)
+    nodes = node_specs(mesh, axes, arms, size, ends, middle, profile, project)
+    panels: tuple[Panel, ...] = ()
+    offset, problem = 0.0, None
+    if project.panel.kind != "none":
+        planes = face_planes(mesh)
+        heights = steel_heights(mesh, axes, planes, frames, ends[1], size, profile, project)
+        offset, problem = panel_offset(heights, project)
+        panels = panel_specs(mesh, planes, frames, offset, project)
+    close = close_arms(arms, project.checks.min_angle_deg)
+    found = (close, problem, not_flat(mesh, panels))
+    problems = tuple(sentence for sentence in found if sentence is not None)
+    return Gridshell(mesh, support, project, beams, nodes, panels, size, offset, problems)

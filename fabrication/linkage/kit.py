@@ -1,0 +1,326 @@
+"""Kit: a linkage as numbers, its parts and its certified motion; made by `kit`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ddgfab.errors import InputError
+from ddgfab.linkages import Mechanism
+from ddgfab.mesh import Floats
+from fabrication.gridshell.design import Progress
+from fabrication.gridshell.schedules import mass_kg
+from fabrication.linkage.links import Linkage
+from fabrication.linkage.plates import Plate, Printed
+from fabrication.linkage.printing import PRINTED_CHORD_MM, laid_out
+from fabrication.linkage.project import KitProject, kit_kinds, load_kit_project, make_kit_project
+from fabrication.linkage.schedules import kit_schedules
+from fabrication.linkage.widen import Moved, moved, widened
+from fabrication.motion.free_range import Contact, FreeMotion
+from fabrication.solids import mesh_of
+from fabrication.specs import Family, Instance, Role
+from fabrication.standards import density
+from fabrication.table import Table
+
+SHOWN: Final = 2
+"""Pairs of parts that are named at either end of the free range; the manifest names all."""
+
+MESHES: Final = (".obj", ".off", ".ply")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Kit:
+    """A linkage in parts, and how far it moves.
+
+    Attributes
+    ----------
+    mechanism : hinges and bars, and their kinematics
+    moved : the linkage in parts with its certified free motion, and what was tried to widen it
+    printed, plates : what is printed, and what stands where on the print plates
+    """
+
+    project: KitProject
+    mechanism: Mechanism
+    moved: Moved
+    printed: Sequence[Printed]
+    plates: tuple[Plate, ...]
+    seconds: Mapping[str, float]
+
+    @property
+    def name(self) -> str:
+        """The project's name."""
+        return self.project.name
+
+    def __repr__(self) -> str:
+        low, high = np.degrees([self.motion.low, self.motion.high])
+        return (
+            f"Kit({self.name}: {self.mechanism.n_bars} bars on {self.mechanism.n_hinges} hinges, "
+            f"{len(self.linkage.families)} part numbers, free {low:.1f} to {high:.1f} deg)"
+        )
+
+    @property
+    def linkage(self) -> Linkage:
+        """Pieces, part numbers, levels along the hinges."""
+        return self.moved.linkage
+
+    @property
+    def motion(self) -> FreeMotion:
+        """The certified free range of the driving angle, and what ends it."""
+        return self.moved.motion
+
+    @property
+    def notes(self) -> list[str]:
+        """What a maker has to hear."""
+        return [*self.linkage.notes, *self.moved.tried]
+
+    @property
+    def families(self) -> tuple[Family, ...]:
+        """Part numbers with their instances in the design pose."""
+        return self.linkage.families
+
+    @cached_property
+    def schedules(self) -> dict[str, Table]:
+        """The schedules "bom", "links", "hinges" and "assembly"; masses of solid parts."""
+        from fabrication.solids import volume_of
+
+        masses = {
+            f.number: mass_kg(volume_of(f.shape), self.density(f.role)) for f in self.families
+        }
+        return kit_schedules(self.linkage, masses)
+
+    def density(self, role: Role) -> float:
+        """Density [kg/m3] of what parts of a role are made of."""
+        metal = role == "pin" and self.linkage.settings.pin == "metal"
+        return density("steel") if metal else self.linkage.settings.printer.density
+
+    def summary(self) -> str:
+        """The linkage in a sentence."""
+        mechanism = self.mechanism
+        freedom = f"{mechanism.mobility} degree{'s' if mechanism.mobility > 1 else ''} of freedom"
+        return (
+            f"{mechanism.n_bars} bars on {mechanism.n_hinges} hinges, "
+            f"{len(mechanism.cells)} isogram{'s' if len(mechanism.cells) > 1 else ''}, {freedom}"
+        )
+
+    def motion_words(self) -> list[tuple[str, str]]:
+        """What a reader has to know of the motion: names and values."""
+        mechanism, motion = self.mechanism, self.motion
+        low, high, design = np.degrees([motion.low, motion.high, mechanism.design])
+        words = [
+            ("driving angle", mechanism.driver),
+            ("free range", f"{low:.2f} to {high:.2f} deg, that is {high - low:.2f} deg"),
+            ("design pose", f"{design:.2f} deg"),
+        ]
+        for end, contacts in (("ends below", motion.below), ("ends above", motion.above)):
+            words += [(end, touch_words(contact)) for contact in contacts[:SHOWN]]
+            if len(contacts) > SHOWN:
+                words.append((end, f"and {len(contacts) - SHOWN} more pairs"))
+        words += [("tightest within", touch_words(contact)) for contact in motion.tightest[:1]]
+        words += [("certificate", motion.certificate), ("path", mechanism.path)]
+        words += [("folded at", f"{np.degrees(t):.2f} deg: {what}") for t, what in self._dead]
+        return words
+
+    @property
+    def _dead(self) -> list[tuple[float, str]]:
+        """The dead points next to the free range on either side."""
+        known = sorted(self.mechanism.dead_points)
+        below = [point for point in known if point[0] <= self.mechanism.design]
+        above = [point for point in known if point[0] > self.mechanism.design]
+        return below[-1:] + above[:1]
+
+    def facts(self) -> dict[str, Any]:
+        """Mechanism and motion as plain values, for the manifest."""
+        mechanism, motion = self.mechanism, self.motion
+
+        def degrees(value: float) -> float:
+            return round(float(np.degrees(value)), 6)
+
+        return {
+            "kind": mechanism.kind,
+            "bars": mechanism.n_bars,
+            "hinges": mechanism.n_hinges,
+            "isograms": len(mechanism.cells),
+            "mobility": mechanism.mobility,
+            "driver": mechanism.driver,
+            "path": mechanism.path,
+            "design_deg": degrees(mechanism.design),
+            "limits_deg": [degrees(limit) for limit in mechanism.limits],
+            "dead_points_deg": [degrees(t) for t, _ in mechanism.dead_points],
+            "free_deg": [degrees(motion.low), degrees(motion.high)],
+            "certified": motion.proven,
+            "certificate": motion.certificate,
+            "contacts": [touch_record(contact) for contact in motion.contacts],
+            "tightest": [touch_record(contact) for contact in motion.tightest],
+        }
+
+    def angles(self, count: int) -> Floats:
+        """(count,) driving angles [rad] through the free range, ends included."""
+        return np.linspace(self.motion.low, self.motion.high, count)
+
+    def motions(self, angles: ArrayLike) -> dict[str, Floats]:
+        """Placements (T, 4, 4) by mark of the pieces that move, at (T,) driving angles [rad].
+
+        They are those of the part number's shape, as in the families' instances.
+
+        Raises
+        ------
+        InputError
+            A driving angle outside the mechanism's limits.
+        """
+        poses = self.mechanism.poses(angles)
+        placed = [self.linkage.placements_at(poses[k]) for k in range(len(poses.points))]
+        turns = {
+            instance.mark: (piece.placement, instance.placement)
+            for piece, instance in zip(self.linkage.pieces, self._instances, strict=True)
+        }
+        return {
+            mark: np.stack([at[mark] for at in placed]) @ np.linalg.inv(own) @ shared
+            for mark, (own, shared) in turns.items()
+            if mark in placed[0]
+        }
+
+    @cached_property
+    def _instances(self) -> tuple[Instance, ...]:
+        """The instance of each piece: where the shape of its part number goes."""
+        by_mark = {i.mark: i for family in self.families for i in family.instances}
+        return tuple(by_mark[piece.mark] for piece in self.linkage.pieces)
+
+    def placed(self, angle: float | None = None) -> tuple[Family, ...]:
+        """Part numbers of what moves, with their instances at a driving angle [rad].
+
+        By default those of the design pose; the coupon and its pin are left out.
+        """
+        at = self.mechanism.design if angle is None else float(angle)
+        motions = self.motions(np.array([at]))
+        placed = []
+        for family in self.families:
+            own = [i for i in family.instances if i.mark in motions]
+            if own:
+                moved = tuple(Instance(i.mark, motions[i.mark][0]) for i in own)
+                placed.append(replace(family, instances=moved))
+        return tuple(placed)
+
+    def to_build123d(self, angle: float | None = None) -> Any:
+        """A labelled `build123d.Compound` at a driving angle [rad], by default the design's.
+
+        Its children are Links, Pins, Caps, Spacers with a labelled, coloured solid a piece.
+        """
+        from fabrication.export.hand_over import to_build123d
+
+        return to_build123d(self.name, self.placed(angle))
+
+    def to_cadquery(self, angle: float | None = None) -> Any:
+        """A `cadquery.Assembly` at a driving angle [rad]: a named, coloured solid a piece."""
+        from fabrication.export.hand_over import to_cadquery
+
+        return to_cadquery(self.name, self.placed(angle))
+
+    def _repr_png_(self) -> bytes:
+        from fabrication.pictures.preview import preview_png
+
+        return preview_png(self.placed())
+
+
+def kit(
+    source: str | Path | None = None, *, progress: Progress | None = None, **settings: Any
+) -> Kit:
+    """A kit of parts from a kind of linkage or a project file; loads no CAD kernel.
+
+    Parameters
+    ----------
+    source : "bennett" (the default), "cube", "knet", "crab", a project file (TOML), or a mesh file
+        (OBJ, OFF, PLY) of a K-net
+    progress : called as (step, done, of)
+    settings : parameters of [linkage], such as ``a_mm=80``, and sections that differ from the
+        project's or the defaults, such as ``parts={"pin": "printed"}``
+
+    Raises
+    ------
+    DdgError
+        Whatever is wrong with project, linkage or parts, in words.
+
+    Examples
+    --------
+    >>> kit("bennett", a_mm=100, alpha_deg=40, beta_deg=70).mechanism.mobility
+    1
+    """
+    return detail_kit(find_kit_project(source, settings), progress)
+
+
+def find_kit_project(source: str | Path | None, settings: Mapping[str, Any]) -> KitProject:
+    """The project of a kind, project or mesh file, with parameters and sections changed."""
+    # A mapping is a section, though maybe an unknown one, but for a surface's own parameters.
+    sections = {
+        name: dict(value)
+        for name, value in settings.items()
+        if isinstance(value, Mapping) and name != "parameters"
+    }
+    parameters = {name: value for name, value in settings.items() if name not in sections}
+    linkage = {**sections.get("linkage", {}), **parameters}
+    if source is not None and Path(source).suffix.lower() == ".toml":
+        return load_kit_project(source, {**sections, **({"linkage": linkage} if linkage else {})})
+    if source is not None and Path(source).suffix.lower() in MESHES:
+        linkage = {"file": str(source), **linkage}
+        name = sections.get("project", {}).get("name", Path(source).stem)
+        sections["project"] = {**sections.get("project", {}), "name": name}
+        source = "knet"
+    kind = "bennett" if source is None else str(source)
+    if kind not in kit_kinds():
+        raise InputError(
+            f'"{kind}" is neither a kind of linkage ({", ".join(kit_kinds())}) nor a project '
+            f"(.toml) or a mesh ({', '.join(MESHES)})"
+        )
+    return make_kit_project({**sections, "linkage": {"kind": kind, **linkage}})
+
+
+def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
+    """The kit of a validated project."""
+    tell = progress or (lambda step, done, of: None)
+    seconds: dict[str, float] = {}
+
+    def lap(step: str, begin: float) -> None:
+        seconds[step] = time.perf_counter() - begin
+
+    tell("mechanism", 0, 0)
+    begin = time.perf_counter()
+    mechanism = project.mechanism()
+    lap("mechanism", begin)
+    tell("parts and free motion", 0, 0)
+    begin = time.perf_counter()
+    find = widened if project.motion.maximize_range else moved
+    found = find(mechanism, project.part_settings())
+    lap("parts and free motion", begin)
+    tell("print plates", 0, 0)
+    begin = time.perf_counter()
+    families = found.linkage.families
+    meshes = {f.number: mesh_of(f.shape, PRINTED_CHORD_MM) for f in families}
+    printed, filled = laid_out(families, meshes, project.printer.bed())
+    lap("print plates", begin)
+    return Kit(project, mechanism, found, printed, filled, seconds)
+
+
+def touch_words(contact: Contact) -> str:
+    """Which parts meet, where and at what angle."""
+    where = ", ".join(f"{value:.1f}" for value in contact.point)
+    return (
+        f"{contact.marks[0]} and {contact.marks[1]} at {np.degrees(contact.t):.2f} deg: "
+        f"{contact.gap:.2f} mm apart (limit {contact.limit:g} mm), near ({where})"
+    )
+
+
+def touch_record(contact: Contact) -> dict[str, Any]:
+    """The same as plain values."""
+    return {
+        "parts": list(contact.marks),
+        "angle_deg": round(float(np.degrees(contact.t)), 6),
+        "gap_mm": round(contact.gap, 6),
+        "limit_mm": contact.limit,
+        "point_mm": [round(value, 3) for value in contact.point],
+    }

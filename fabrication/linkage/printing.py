@@ -1,0 +1,82 @@
+"""How the parts of a kit are printed: which, how they lie, and the plates as 3MF."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from ddgfab.mesh import Floats
+from fabrication.export.step import COLOURS
+from fabrication.export.threemf import Body3MF, Item3MF, threemf_bytes
+from fabrication.linkage.plates import Bed, Plate, Printed, plates
+from fabrication.linkage.schedules import is_printed
+from fabrication.linkspecs import RingShape
+from fabrication.specs import Family, TriangleMesh
+
+PRINTED_CHORD_MM: Final = 0.01
+"""Greatest distance [mm] of the meshes that are printed from the exact surfaces: a twentieth of the
+clearance between pin and bore, so that round parts turn in round bores."""
+
+UPSIDE_DOWN: Final[Floats] = np.diag([1.0, -1.0, -1.0, 1.0])
+"""A half turn about x."""
+
+
+def printed_parts(families: Sequence[Family], meshes: Mapping[str, TriangleMesh]) -> list[Printed]:
+    """What a printer makes, lying as it is printed: the axis of a hinge vertical, caps on their
+    floors, printed pins on their heads."""
+    return [
+        Printed(f.number, meshes[f.number], lying(f), tuple(i.mark for i in f.instances))
+        for f in families
+        if is_printed(f)
+    ]
+
+
+def lying(family: Family) -> Floats:
+    """(4, 4) motion from the part's frame to the printer's, z up.
+
+    A link's label looks up, and the axis at its start is vertical.
+    """
+    shape = family.shape
+    return UPSIDE_DOWN if isinstance(shape, RingShape) and shape.floor > 0 else np.eye(4)
+
+
+def laid_out(
+    families: Sequence[Family], meshes: Mapping[str, TriangleMesh], bed: Bed
+) -> tuple[list[Printed], tuple[Plate, ...]]:
+    """What is printed, and on which plates; the links first.
+
+    Raises
+    ------
+    InputError
+        A part is larger than the bed; names it.
+    """
+    parts = printed_parts(families, meshes)
+    return parts, plates(parts, bed)
+
+
+def write_plates(
+    folder: Path, families: Sequence[Family], parts: Sequence[Printed], filled: Sequence[Plate]
+) -> dict[Path, list[tuple[str, TriangleMesh, int]]]:
+    """Write plate_1.3mf, plate_2.3mf, ...; by path what `check_threemf` has to find in each."""
+    colours = {family.number: COLOURS[family.role] for family in families}
+    folder.mkdir(parents=True, exist_ok=True)
+    written = {}
+    for place, plate in enumerate(filled, 1):
+        used = list(dict.fromkeys(standing.part for standing in plate))
+        bodies = [
+            Body3MF(parts[at].number, parts[at].mesh, colours[parts[at].number]) for at in used
+        ]
+        items = [
+            Item3MF(used.index(standing.part), standing.mark, standing.placement)
+            for standing in plate
+        ]
+        path = folder / f"plate_{place}.3mf"
+        path.write_bytes(threemf_bytes(bodies, items, path.stem))
+        counts = [sum(standing.part == at for standing in plate) for at in used]
+        written[path] = [
+            (body.name, body.mesh, count) for body, count in zip(bodies, counts, strict=True)
+        ]
+    return written

@@ -1,0 +1,254 @@
+"""The project of a kit: [project] [linkage] [printer] [parts] [motion] [output] as typed records.
+
+A key's unit is in its name: _mm millimetres, _deg degrees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import Field, ValidationError, field_validator
+
+from ddgfab.errors import ProjectError
+from ddgfab.linkages import Mechanism
+from fabrication.linkage.kinds import BennettLinkage, CrabLinkage, CubeLinkage, KNetLinkage
+from fabrication.linkage.plates import BED_MM, GAP_MM, MARGIN_MM, Bed
+from fabrication.linkage.settings import LabelStyle, LinkageSettings, PinKind, settings_for
+from fabrication.project.load import changed, explain, find_line, read_toml, sections_in, unknown
+from fabrication.project.models import NotNegative, Positive, Section
+from fabrication.standards.printers import printer
+
+Format = Literal["step", "stl", "3mf", "glb", "csv", "xlsx", "html", "gif"]
+
+FORMATS: Final[tuple[Format, ...]] = ("step", "stl", "3mf", "glb", "csv", "xlsx", "html", "gif")
+
+
+class KitName(Section):
+    """[project] name: of the output folder; empty: the file's stem, or the kind of linkage."""
+
+    name: str = ""
+
+
+class PrinterSection(Section):
+    """[printer].
+
+    Attributes
+    ----------
+    preset : "fdm-0.4", "fdm-0.25", "sla", "sls": clearances and limits; see standards/printers.toml
+    bed_mm : width and depth of the bed that the print plates are laid out on
+    margin_mm : land that stays free along the bed's edge, for brim and skirt
+    gap_mm : between parts on a plate
+    """
+
+    preset: str = "fdm-0.4"
+    bed_mm: tuple[Positive, Positive] = Field(default=BED_MM, strict=False)
+    margin_mm: NotNegative = MARGIN_MM
+    gap_mm: NotNegative = GAP_MM
+
+    @field_validator("preset")
+    @classmethod
+    def _known(cls, value: str) -> str:
+        printer(value)
+        return value
+
+    def bed(self) -> Bed:
+        """The bed itself."""
+        return Bed(*self.bed_mm, margin=self.margin_mm, gap=self.gap_mm)
+
+
+class PartsSection(Section):
+    """[parts]: what differs from the printer's defaults; see `LinkageSettings`.
+
+    Attributes
+    ----------
+    pin : "metal" (rods with printed caps) or "printed" (with a head and a cap)
+    pin_diameter_mm, clearance_mm : of the pins; between pin and bore, a side
+    axial_gap_mm, press_mm : between neighbours on a pin; between pin and cap, a side
+    eye_diameter_mm, eye_height_mm : of the eyes
+    bar_width_mm, bar_height_mm, bevel_mm : of the bars' section
+    cap_diameter_mm, cap_grip_mm, cap_floor_mm, head_height_mm : of caps and heads
+    label, label_depth_mm : "engraved", "embossed" or "none"
+    coupon : whether the kit holds a clearance coupon
+    max_levels : most levels along a hinge
+    """
+
+    pin: PinKind = "metal"
+    pin_diameter_mm: Positive | None = None
+    clearance_mm: Positive | None = None
+    axial_gap_mm: Positive | None = None
+    press_mm: NotNegative | None = None
+    eye_diameter_mm: Positive | None = None
+    eye_height_mm: Positive | None = None
+    bar_width_mm: Positive | None = None
+    bar_height_mm: Positive | None = None
+    bevel_mm: NotNegative | None = None
+    cap_diameter_mm: Positive | None = None
+    cap_grip_mm: Positive | None = None
+    cap_floor_mm: Positive | None = None
+    head_height_mm: Positive | None = None
+    label: LabelStyle = "engraved"
+    label_depth_mm: Positive | None = None
+    coupon: bool = True
+    max_levels: Annotated[int, Field(ge=1, le=12)] = 6
+
+    def given(self) -> dict[str, Any]:
+        """What is given, by the names of `settings_for`."""
+        values = self.model_dump(exclude_none=True)
+        return {name.removesuffix("_mm"): value for name, value in values.items()}
+
+
+class MotionSection(Section):
+    """[motion].
+
+    Attributes
+    ----------
+    maximize_range : try what widens the free range: levels further apart, slimmer bars
+    poses : of the report and the animation, through the free range
+    """
+
+    maximize_range: bool = False
+    poses: Annotated[int, Field(ge=2, le=400)] = 61
+
+
+class KitOutput(Section):
+    """[output].
+
+    Attributes
+    ----------
+    formats : files to write; manifest and preview are always written
+    jobs : processes; 0 = as many as there are cores. Kits have few part numbers: one is soonest
+    step_schema : "AP214" opens almost everywhere, "AP242" is newer
+    author, organisation : for the STEP headers
+    """
+
+    formats: tuple[Format, ...] = Field(default=FORMATS, strict=False)
+    jobs: Annotated[int, Field(ge=0, le=256)] = 1
+    step_schema: Literal["AP214", "AP242"] = "AP214"
+    author: str = ""
+    organisation: str = ""
+
+
+class KitProject(Section):
+    """A whole project, validated. `file` is where it came from, None when made in Python."""
+
+    project: KitName = KitName()
+    linkage: BennettLinkage | CubeLinkage | KNetLinkage | CrabLinkage
+    printer: PrinterSection = PrinterSection()
+    parts: PartsSection = PartsSection()
+    motion: MotionSection = MotionSection()
+    output: KitOutput = KitOutput()
+    file: Path | None = Field(default=None, exclude=True)
+
+    @property
+    def name(self) -> str:
+        """The project's name, or the stem of its file, or its kind."""
+        return self.project.name or (self.file.stem if self.file else self.linkage.kind)
+
+    @property
+    def source(self) -> Path | None:
+        """The mesh of a K-net, or the project file; None when made in Python."""
+        mesh = self.linkage.file if isinstance(self.linkage, KNetLinkage) else None
+        if mesh is None or self.file is None:
+            return mesh or self.file
+        return self.file.parent / mesh
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Every section as plain values, for the manifest."""
+        return self.model_dump(mode="json")
+
+    def part_settings(self) -> LinkageSettings:
+        """The numbers of the parts; raises `InputError` where they contradict each other."""
+        return settings_for(self.printer.preset, **self.parts.given())
+
+    def mechanism(self) -> Mechanism:
+        """The mechanism of [linkage]; files are looked for beside the project's."""
+        return self.linkage.mechanism(None if self.file is None else self.file.parent)
+
+
+class BennettKit(KitProject):
+    """A project of kind "bennett"."""
+
+    linkage: BennettLinkage = BennettLinkage()
+
+
+class CubeKit(KitProject):
+    """A project of kind "cube"."""
+
+    linkage: CubeLinkage = CubeLinkage()
+
+
+class KNetKit(KitProject):
+    """A project of kind "knet"."""
+
+    linkage: KNetLinkage = KNetLinkage()
+
+
+class CrabKit(KitProject):
+    """A project of kind "crab"."""
+
+    linkage: CrabLinkage = CrabLinkage()
+
+
+KITS: Final[dict[str, type[KitProject]]] = {
+    "bennett": BennettKit,
+    "cube": CubeKit,
+    "knet": KNetKit,
+    "crab": CrabKit,
+}
+"""Kinds of linkage."""
+
+
+def kit_kinds() -> tuple[str, ...]:
+    """Names of all kinds of linkage."""
+    return tuple(KITS)
+
+
+def load_kit_project(
+    path: str | Path, changes: Mapping[str, Mapping[str, Any]] | None = None
+) -> KitProject:
+    """The project in a TOML file, validated; `changes` replaces single values, by section.
+
+    Raises
+    ------
+    ProjectError
+        A file that is missing, no TOML, or has an unknown key or a wrong value; names file, line,
+        key, value, limit, and the nearest known key.
+    """
+    file = Path(path)
+    values, text = read_toml(file)
+    values = changed(values, changes)
+    if "linkage" not in values:
+        if get_close_matches("linkage", values):  # misspelt: that is said with its line
+            sections_in(values, KitProject, str(file), text)
+        raise ProjectError('a linkage needs [linkage] kind = "bennett", ...', file=str(file))
+    return _kit_project(values, file, text)
+
+
+def make_kit_project(sections: Mapping[str, Any]) -> KitProject:
+    """Project from a dictionary of sections, as in a file; the kind defaults to "bennett".
+
+    Raises
+    ------
+    ProjectError
+        An unknown section or key, or a wrong value.
+    """
+    return _kit_project(sections, None, "")
+
+
+def _kit_project(values: Mapping[str, Any], file: Path | None, text: str) -> KitProject:
+    name = None if file is None else str(file)
+    sections = sections_in(values, KitProject, name, text)
+    kind = sections.get("linkage", {}).get("kind", "bennett")
+    if kind not in KITS:
+        line = find_line(text, ("linkage", "kind"))
+        raise ProjectError(
+            unknown(f'[linkage] kind = "{kind}"', str(kind), set(KITS)), file=name, line=line
+        )
+    try:
+        return KITS[kind].model_validate({**sections, "file": file}, strict=None)
+    except ValidationError as error:
+        raise explain(error, KITS[kind], name, text) from None

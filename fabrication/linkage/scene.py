@@ -1,0 +1,188 @@
+"""What is shown of a kit: the moving scene, the words of its report, its pictures."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from ddgfab.errors import OutputError
+from ddgfab.linkages import Pose
+from ddgfab.mesh import Floats
+from fabrication.export.step import COLOURS, GROUPS
+from fabrication.linkage.animation import write_animation
+from fabrication.linkage.kit import Kit
+from fabrication.linkage.page import Group, Moving, MovingScene, Page, Touch
+from fabrication.linkspecs import LinkShape
+from fabrication.motion.free_range import Contact
+from fabrication.pictures.preview import write_preview
+from fabrication.solids import mesh_of
+from fabrication.specs import Family, Instance, TriangleMesh
+from fabrication.table import Table
+
+SEEN_CHORD_MM: Final = 0.2
+"""Distance [mm] of meshes that are only looked at from the exact surfaces."""
+
+MOST_PLACEMENTS: Final = 30_000
+"""Placements that the report holds at most: two megabytes."""
+
+FEWEST_POSES: Final = 13
+"""It holds so many poses nevertheless."""
+
+LINK_COLOURS: Final = (
+    (0.16, 0.42, 0.66),
+    (0.72, 0.30, 0.28),
+    (0.24, 0.56, 0.35),
+    (0.62, 0.33, 0.60),
+    (0.70, 0.62, 0.24),
+    (0.20, 0.60, 0.64),
+    (0.55, 0.38, 0.26),
+    (0.45, 0.45, 0.62),
+)
+"""sRGB colours of the links, by part number; they repeat."""
+
+HEADINGS: Final = {
+    "bom": "Bill of materials",
+    "links": "Links",
+    "hinges": "Hinges",
+    "assembly": "Assembly, in this order",
+}
+"""Headings of the schedules in the report."""
+
+
+def moving_scene(kit: Kit) -> MovingScene:
+    """The kit through its free range, turned so that it lies broad and does not swing about.
+
+    Every pose is moved as near to the design pose as it goes, all hinges counting alike.
+    """
+    angles, design = shown_angles(kit)
+    motions = kit.motions(angles)
+    still = standstill(kit, angles)
+    families = [f for f in kit.families if any(i.mark in motions for i in f.instances)]
+    links = [f.number for f in families if f.role == "link"]
+    groups, pieces, placed = [], [], []
+    for body, family in enumerate(families):
+        colour = COLOURS[family.role]
+        if family.role == "link":
+            colour = LINK_COLOURS[links.index(family.number) % len(LINK_COLOURS)]
+        own = [i.mark for i in family.instances if i.mark in motions]
+        groups.append(Group(f"{GROUPS[family.role]} {family.number} ({len(own)})", colour))
+        for mark in own:
+            pieces.append(Moving(body, body, f"{mark}, {family.number}"))
+            placed.append(still @ motions[mark])
+    return MovingScene(
+        bodies=[seen_mesh(family) for family in families],
+        groups=groups,
+        pieces=pieces,
+        motions=np.stack(placed, axis=1),
+        driver="driving angle",
+        values=np.degrees(angles),
+        design=design,
+        touches=[_touch(contact, angles, still) for contact in kit.motion.contacts],
+    )
+
+
+def _touch(contact: Contact, angles: Floats, still: Floats) -> Touch:
+    """A contact where the scene shows it, in the pose that is nearest to it."""
+    pose = int(np.abs(angles - contact.t).argmin())
+    point = still[pose] @ np.array([*contact.point, 1.0])
+    return Touch(pose, point[:3], f"{contact.marks[0]} meets {contact.marks[1]}")
+
+
+def shown_angles(kit: Kit) -> tuple[Floats, int]:
+    """Driving angles [rad] through the free range with the design's among them, and its place.
+
+    As many as the project asks for, fewer for linkages of very many parts.
+    """
+    most = MOST_PLACEMENTS // len(kit.linkage.pieces)
+    angles = kit.angles(min(kit.project.motion.poses, max(most, FEWEST_POSES)))
+    at = int(np.abs(angles - kit.mechanism.design).argmin())
+    angles[at] = kit.mechanism.design
+    return angles, at
+
+
+def seen_mesh(family: Family) -> TriangleMesh:
+    """A coarse mesh without letters."""
+    shape = family.shape
+    if isinstance(shape, LinkShape):
+        shape = replace(shape, label=None)
+    return mesh_of(shape, SEEN_CHORD_MM)
+
+
+def standstill(kit: Kit, angles: Floats) -> Floats:
+    """(T, 4, 4) motions that bring poses upon the design pose, that one lying broad.
+
+    Broad: the hinges spread least along z. The motion upon the design pose is the best one in the
+    mean square of the hinges' distances (Kabsch 1976).
+    """
+    points = kit.mechanism.poses(angles).points
+    design = kit.mechanism.pose(kit.mechanism.design)
+    middle = design.points.mean(axis=0)
+    aim = (design.points - middle) @ broad_axes(design)
+    centre = points.mean(axis=1)
+    u, _, v = np.linalg.svd(np.einsum("tvi,vj->tij", points - centre[:, None], aim))
+    turn = np.swapaxes(v, 1, 2) @ np.swapaxes(u, 1, 2)
+    v[:, 2] *= np.sign(np.linalg.det(turn))[:, None]
+    motion = np.tile(np.eye(4), (len(angles), 1, 1))
+    motion[:, :3, :3] = np.swapaxes(v, 1, 2) @ np.swapaxes(u, 1, 2)
+    motion[:, :3, 3] = -np.einsum("tij,tj->ti", motion[:, :3, :3], centre)
+    return motion
+
+
+def broad_axes(pose: Pose) -> Floats:
+    """(3, 3) columns: the directions in which the hinges spread most, less, least; right-handed."""
+    away = pose.points - pose.points.mean(axis=0)
+    _, vectors = np.linalg.eigh(away.T @ away)
+    axes = vectors[:, ::-1].copy()
+    # Each direction towards the side of its greatest entry, so that rounding cannot turn it round.
+    for k in (0, 1):
+        axes[:, k] *= np.sign(axes[np.abs(axes[:, k]).argmax(), k])
+    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+    return np.asarray(axes, dtype=np.float64)
+
+
+def write_pictures(
+    folder: Path,
+    families: Sequence[Family],
+    meshes: Mapping[str, TriangleMesh],
+    failed: Collection[str],
+    scene: MovingScene | None,
+) -> tuple[list[str], float]:
+    """Write preview.png and, of a scene, motion.gif: warnings, and seconds.
+
+    A machine without graphics is no fault of the linkage: no pictures then, and a warning.
+    """
+    begin = time.perf_counter()
+    warnings = []
+    try:
+        write_preview(folder / "preview.png", families, meshes, failed)
+        if scene is not None:
+            write_animation(folder / "motion.gif", scene)
+    except OutputError as error:
+        warnings.append(f"no pictures: {error}")
+    return warnings, time.perf_counter() - begin
+
+
+def lying_broad(kit: Kit) -> tuple[Family, ...]:
+    """Part numbers of what moves, placed as the scene shows the design pose."""
+    turn = standstill(kit, np.array([kit.mechanism.design]))[0]
+    return tuple(
+        replace(f, instances=tuple(Instance(i.mark, turn @ i.placement) for i in f.instances))
+        for f in kit.placed()
+    )
+
+
+def report_page(kit: Kit, tables: Mapping[str, Table], problems: Sequence[str]) -> Page:
+    """Title, facts and tables of report.html."""
+    return Page(
+        title=kit.name,
+        lead=kit.summary(),
+        facts=kit.motion_words(),
+        notes=kit.notes,
+        problems=[f"FAILED {problem}" for problem in problems],
+        tables={HEADINGS[name]: table for name, table in tables.items()},
+    )
