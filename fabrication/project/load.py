@@ -16,7 +16,7 @@ from fabrication.project.models import MESH, Net, Project
 from fabrication.standards import nearest
 
 KIT = "linkage"
-"""The section by which a project is one of a linkage (`fabrication.linkage`), not of a gridshell."""
+"""The section that makes a project one of a linkage (`fabrication.linkage`), not of a gridshell."""
 
 
 def load_project(
