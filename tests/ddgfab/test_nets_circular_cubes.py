@@ -47,7 +47,7 @@ def net(sizes: tuple[int, ...], dim: int = 3, seed: int = 0) -> Floats:
     return miquel.evolve_circular_by_angles(lines, angles, verify=True)
 
 
-def test_miquel_numbers_of_the_specification() -> None:
+def test_miquel_numbers() -> None:
     x12, x13, x23 = quads((0.3, 0.5, 0.6))
     assert x12 == pytest.approx([1.20689655, 0.51724138, 0], abs=1e-8)
     assert x13 == pytest.approx([1, 0, 1], abs=1e-15)

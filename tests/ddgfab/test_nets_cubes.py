@@ -51,7 +51,7 @@ def surfaces(sizes: tuple[int, ...], dim: int, seed: int = 0, size: float = 0.1)
     return out
 
 
-def test_phi_numbers_of_the_specification() -> None:
+def test_phi_numbers() -> None:
     assert cubes.cube_xi(given_c()) == pytest.approx([1.28174387, 1.32479564, 0.65395095], abs=1e-8)
     p = cubes.phi(given_c())
     wanted = {

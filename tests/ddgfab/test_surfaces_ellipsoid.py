@@ -38,7 +38,7 @@ def test_points_normals_and_curvatures_by_second_routes() -> None:
     assert np.abs(n_v / (2 * step) - second[..., None] * f_v).max() < 1e-8
 
 
-def test_numbers_of_the_specification() -> None:
+def test_point_and_curvatures_by_hand() -> None:
     assert ellipsoid_patch(6, 2.5) == pytest.approx([2.09463601, 0.89442719, 0.55901699], abs=1e-8)
     kappa = ellipsoid_curvatures(6, 2.5)
     assert kappa == pytest.approx((0.258198890, 0.619677335), abs=1e-9)

@@ -378,7 +378,7 @@ def test_bad_settings_are_said(given: dict[str, Any], words: list[str]) -> None:
     assert len(str(error.value).splitlines()) <= 3
 
 
-def test_defaults_are_those_of_the_specification() -> None:
+def test_defaults_are_those_of_the_printer() -> None:
     s = settings_for()
     assert (s.pin_diameter, s.clearance, s.axial_gap) == (3.0, 0.2, 0.4)
     assert (s.eye_diameter, s.eye_height, s.bar_width, s.bar_height) == (10.0, 6.0, 5.0, 5.0)

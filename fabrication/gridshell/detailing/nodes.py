@@ -1,4 +1,4 @@
-"""Nodes: cylinders about the axes with seats, bolt holes and a mark. docs/parts.md, Node."""
+"""Nodes: cylinders about the axes, with seats, holes and a mark. docs/parts.md, Node element."""
 
 from __future__ import annotations
 
