@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 import ddgfab.curvature
 import ddgfab.surfaces
 from ddgfab.nets.registry import find_generator, kinds
-from fabrication.project import load_project
+from fabrication.gridshell.load import load_project
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = (DOCS / "knets.md").read_text("utf-8")

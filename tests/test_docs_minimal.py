@@ -14,7 +14,7 @@ import ddgfab.nets
 import ddgfab.support
 import ddgfab.surfaces
 import ddgfab.transforms
-from fabrication.project import load_project
+from fabrication.gridshell.load import load_project
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = (DOCS / "minimal.md").read_text("utf-8")

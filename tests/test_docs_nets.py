@@ -14,7 +14,7 @@ import ddgfab.offsets
 import ddgfab.support
 import ddgfab.transforms
 from ddgfab.nets.registry import find_generator, kinds
-from fabrication.project import load_project
+from fabrication.gridshell.load import load_project
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = (DOCS / "nets.md").read_text("utf-8")

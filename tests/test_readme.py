@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from ddgfab.io import write_obj
 from ddgfab.nets import canopy
 from fabrication.cli import app
-from fabrication.project import load_project
+from fabrication.gridshell.load import load_project
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text("utf-8")

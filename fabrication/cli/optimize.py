@@ -88,7 +88,7 @@ def _settings(
     """[optimize] of the options, checked as in a project."""
     from ddgfab.errors import InputError
     from fabrication.cli.common import toml_value
-    from fabrication.project import make_project
+    from fabrication.gridshell.load import make_project
 
     given: dict[str, Any] = {"goal": goal, "boundary": boundary}
     if fix:

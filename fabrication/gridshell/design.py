@@ -23,8 +23,9 @@ from ddgfab.optimize import Goal, OptimizeResult, TorsionFreeResult, optimize
 from ddgfab.support import SupportKind, SupportStructure, support_structure
 from fabrication.families import families
 from fabrication.gridshell.detailing import Gridshell, detail
+from fabrication.gridshell.load import load_project, project_for_mesh
+from fabrication.gridshell.project import MESH, OptimizeSettings, Project
 from fabrication.gridshell.schedules import schedules
-from fabrication.project import MESH, OptimizeSettings, Project, load_project, project_for_mesh
 from fabrication.specs import Family
 from fabrication.table import Table
 

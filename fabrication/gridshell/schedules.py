@@ -16,7 +16,7 @@ from ddgfab.mesh import Floats
 from fabrication.families import families as make_families
 from fabrication.gridshell.detailing import Gridshell
 from fabrication.gridshell.detailing.outline import area, least_rectangle, side_vectors, turns
-from fabrication.project import Project
+from fabrication.gridshell.project import Project
 from fabrication.shapes import fibre_ends
 from fabrication.specs import Beam, BeamShape, Family, Instance, Node, NodeShape, Panel, PanelShape
 from fabrication.table import Table

@@ -17,7 +17,7 @@ from ddgfab.nets.knet import KNet
 from ddgfab.nets.knet_crab import crab_net
 from ddgfab.nets.knet_recover import recover_knet
 from fabrication.linkage.surfaces import check_numbers, surface_net
-from fabrication.project.models import Finite, Positive, Section
+from fabrication.project.sections import Finite, Positive, Section
 
 Angle = Annotated[float, Field(gt=0, lt=360)]
 Twist = Annotated[float, Field(gt=0, lt=180)]

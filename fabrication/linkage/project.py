@@ -1,4 +1,4 @@
-"""The project of a kit: [project] [linkage] [printer] [parts] [motion] [output] as typed records.
+"""The project of a linkage as typed records; every key has a unit, a default and a meaning.
 
 A key's unit is in its name: _mm millimetres, _deg degrees.
 """
@@ -6,7 +6,6 @@ A key's unit is in its name: _mm millimetres, _deg degrees.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -14,11 +13,12 @@ from pydantic import Field, ValidationError, field_validator
 
 from ddgfab.errors import ProjectError
 from ddgfab.linkages import Mechanism
+from ddgfab.suggest import nearest
 from fabrication.linkage.kinds import BennettLinkage, CrabLinkage, CubeLinkage, KNetLinkage
 from fabrication.linkage.plates import BED_MM, GAP_MM, MARGIN_MM, Bed
 from fabrication.linkage.settings import LabelStyle, LinkageSettings, PinKind, settings_for
 from fabrication.project.load import changed, explain, find_line, read_toml, sections_in, unknown
-from fabrication.project.models import NotNegative, Positive, Section
+from fabrication.project.sections import NotNegative, Positive, Section
 from fabrication.standards.printers import printer
 
 Format = Literal["step", "stl", "3mf", "glb", "csv", "xlsx", "html", "gif"]
@@ -26,13 +26,13 @@ Format = Literal["step", "stl", "3mf", "glb", "csv", "xlsx", "html", "gif"]
 FORMATS: Final[tuple[Format, ...]] = ("step", "stl", "3mf", "glb", "csv", "xlsx", "html", "gif")
 
 
-class KitName(Section):
+class NameSettings(Section):
     """[project] name: of the output folder; empty: the file's stem, or the kind of linkage."""
 
     name: str = ""
 
 
-class PrinterSection(Section):
+class PrinterSettings(Section):
     """[printer].
 
     Attributes
@@ -59,7 +59,7 @@ class PrinterSection(Section):
         return Bed(*self.bed_mm, margin=self.margin_mm, gap=self.gap_mm)
 
 
-class PartsSection(Section):
+class PartsSettings(Section):
     """[parts]: what differs from the printer's defaults; see `LinkageSettings`.
 
     Attributes
@@ -100,7 +100,7 @@ class PartsSection(Section):
         return {name.removesuffix("_mm"): value for name, value in values.items()}
 
 
-class MotionSection(Section):
+class MotionSettings(Section):
     """[motion].
 
     Attributes
@@ -113,7 +113,7 @@ class MotionSection(Section):
     poses: Annotated[int, Field(ge=2, le=400)] = 61
 
 
-class KitOutput(Section):
+class OutputSettings(Section):
     """[output].
 
     Attributes
@@ -134,12 +134,12 @@ class KitOutput(Section):
 class KitProject(Section):
     """A whole project, validated. `file` is where it came from, None when made in Python."""
 
-    project: KitName = KitName()
+    project: NameSettings = NameSettings()
     linkage: BennettLinkage | CubeLinkage | KNetLinkage | CrabLinkage
-    printer: PrinterSection = PrinterSection()
-    parts: PartsSection = PartsSection()
-    motion: MotionSection = MotionSection()
-    output: KitOutput = KitOutput()
+    printer: PrinterSettings = PrinterSettings()
+    parts: PartsSettings = PartsSettings()
+    motion: MotionSettings = MotionSettings()
+    output: OutputSettings = OutputSettings()
     file: Path | None = Field(default=None, exclude=True)
 
     @property
@@ -222,7 +222,7 @@ def load_kit_project(
     values, text = read_toml(file)
     values = changed(values, changes)
     if "linkage" not in values:
-        if get_close_matches("linkage", values):  # misspelt: that is said with its line
+        if nearest("linkage", values):  # misspelt: the message of `sections_in` has its line
             sections_in(values, KitProject, str(file), text)
         raise ProjectError('a linkage needs [linkage] kind = "bennett", ...', file=str(file))
     return _kit_project(values, file, text)

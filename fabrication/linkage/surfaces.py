@@ -15,7 +15,7 @@ from ddgfab.nets.knet_amsler import amsler
 from ddgfab.nets.knet_breather import breather
 from ddgfab.nets.knet_dini import dini, pseudosphere
 from ddgfab.nets.knet_kuen import kuen
-from fabrication.standards import nearest
+from ddgfab.suggest import suggestion
 
 Numbers = Mapping[str, float]
 
@@ -98,13 +98,8 @@ def surface_net(name: str, alphas: Floats, betas: Floats, given: Numbers) -> KNe
 def check_numbers(name: str, given: Numbers) -> None:
     """Raise `ValueError` where a surface or one of its numbers is unknown."""
     if name not in SURFACES:
-        raise ValueError(f'surface "{name}" is unknown; {_near(name, list(SURFACES))}')
+        raise ValueError(f'surface "{name}" is unknown; {suggestion(name, SURFACES)}')
     known = list(SURFACES[name].defaults)
     for parameter in given:
         if parameter not in known:
-            raise ValueError(f"surface {name} has no {parameter}; {_near(parameter, known)}")
-
-
-def _near(word: str, known: list[str]) -> str:
-    near = nearest(word, known, 1)
-    return f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
+            raise ValueError(f"surface {name} has no {parameter}; {suggestion(parameter, known)}")

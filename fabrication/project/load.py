@@ -1,4 +1,4 @@
-"""TOML -> Project; every mistake becomes one message with file, line, key, value and limit."""
+"""TOML -> sections; every mistake becomes one message with file, line, key, value and limit."""
 
 from __future__ import annotations
 
@@ -11,28 +11,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from ddgfab.errors import ProjectError
-from ddgfab.nets.registry import ParameterError, find_generator, kinds
-from fabrication.project.models import MESH, Net, Project
-from fabrication.standards import nearest
-
-KIT = "linkage"
-"""The section that makes a project one of a linkage (`fabrication.linkage`), not of a gridshell."""
-
-
-def load_project(
-    path: str | Path, changes: Mapping[str, Mapping[str, Any]] | None = None
-) -> Project:
-    """The project in a TOML file, validated; `changes` replaces single values, by section.
-
-    Raises
-    ------
-    ProjectError
-        A file that is missing, no TOML, or has an unknown key or a wrong value; names file, line,
-        key, value, limit, and the nearest known key.
-    """
-    file = Path(path)
-    values, text = read_toml(file)
-    return _project(changed(values, changes), file=file, text=text)
+from ddgfab.suggest import nearest, suggestion
+from fabrication.project.sections import Section
 
 
 def changed(
@@ -67,57 +47,6 @@ def read_toml(file: Path) -> tuple[dict[str, Any], str]:
         raise ProjectError(f"is not TOML: {error}", file=str(file), line=line) from None
 
 
-def project_for_mesh(path: str | Path, sections: Mapping[str, Any] | None = None) -> Project:
-    """Project with all defaults for a mesh file; `sections` holds values to change by section.
-
-    Raises
-    ------
-    ProjectError
-        An unknown section, key or value in `sections`.
-    """
-    return make_project({"net": {"kind": "mesh", "file": str(path)}, **(sections or {})})
-
-
-def make_project(sections: Mapping[str, Any]) -> Project:
-    """Project from a dictionary of sections, as in a file; `net` defaults to the canopy.
-
-    Raises
-    ------
-    ProjectError
-        An unknown section or key, or a wrong value.
-    """
-    return _project({"net": {"kind": "canopy"}, **sections}, file=None, text="")
-
-
-def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project:
-    name = None if file is None else str(file)
-    if KIT in values:
-        line = find_line(text, (KIT,))
-        raise ProjectError("[linkage] is for a kit: ddgfab linkage", file=name, line=line)
-    sections = sections_in(values, Project, name, text)
-    try:
-        if "net" not in sections:
-            raise ProjectError('a project needs [net] kind = "mesh", file = "..."', file=name)
-        if sections["net"].get("kind", MESH) in kinds():
-            sections["net"] = _generated(sections["net"], name, text)
-            if sections.get("project", {}).get("units", "mm") != "mm":
-                raise ProjectError(
-                    f"[project] units = {_show(sections['project']['units'])} is for mesh files; "
-                    f'a net of kind "{sections["net"]["kind"]}" is made in millimetres',
-                    file=name,
-                    line=find_line(text, ("project", "units")),
-                )
-        elif "parameters" in sections["net"]:
-            raise ProjectError(
-                unknown("[net] parameters", "parameters", {"kind", "file"}),
-                file=name,
-                line=find_line(text, ("net", "parameters")),
-            )
-        return Project.model_validate({**sections, "file": file}, strict=None)
-    except ValidationError as error:
-        raise explain(error, Project, name, text) from None
-
-
 def sections_in(
     values: Mapping[str, Any], model: type[BaseModel], name: str | None, text: str
 ) -> dict[str, dict[str, Any]]:
@@ -136,18 +65,6 @@ def sections_in(
         if not isinstance(content, Mapping):
             raise ProjectError(f"{section} must be a section [{section}]", file=name, line=at)
     return {key: dict(content) for key, content in values.items()}
-
-
-def _generated(net: dict[str, Any], name: str | None, text: str) -> dict[str, Any]:
-    """Gathers a generator's parameters, which stand in [net] beside kind, and checks them."""
-    given = dict(net.pop("parameters", {}))
-    given |= {key: net.pop(key) for key in list(net) if key not in ("kind", "file")}
-    try:
-        find_generator(net["kind"]).check(given)
-    except ParameterError as error:
-        line = find_line(text, ("net", error.parameter))
-        raise ProjectError(f"[net] {error}", file=name, line=line) from None
-    return {**net, "parameters": given} if given else net
 
 
 def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
@@ -201,32 +118,29 @@ def _value_problem(key: str, path: tuple[str | int, ...], problem: Any, same: li
         return f"{key}: {problem['ctx']['error']}"
     value = problem["input"]
     if problem["type"] == "missing":
-        return f"{key} = {_show(value)} has too few values"
-    wishes = dict.fromkeys(other["msg"].removeprefix("Input should be ") for other in same)
-    wish = " or ".join(wishes).replace("a valid ", "a ")
-    expected = [str(w) for o in same for w in re.findall(r"'([^']*)'", o["msg"])]
-    near = nearest(value, expected) if isinstance(value, str) else []
-    hint = f'; did you mean "{near[0]}"?' if near else ""
+        return f"{key} = {show(value)} has too few values"
+    allowed = dict.fromkeys(other["msg"].removeprefix("Input should be ") for other in same)
+    limit = " or ".join(allowed).replace("a valid ", "a ")
+    literals = [str(name) for other in same for name in re.findall(r"'([^']*)'", other["msg"])]
+    meant = isinstance(value, str) and nearest(value, literals)
+    hint = f"; {suggestion(value, literals)}" if meant else ""
     place = "".join(f"[{part}]" for part in path[2:] if isinstance(part, int))
-    return f"{key}{place} = {_show(value)} must be {wish}{hint}"
+    return f"{key}{place} = {show(value)} must be {limit}{hint}"
 
 
-def _show(value: Any) -> str:
+def show(value: Any) -> str:
+    """A value as it stands in a file, cut to 60 characters."""
     text = f'"{value}"' if isinstance(value, str) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _section_keys(model: type[BaseModel], section: str) -> set[str]:
     own = model.model_fields[section].annotation
-    if own is Net:
-        return {"kind", "file"}
     assert isinstance(own, type)
-    assert issubclass(own, BaseModel)
-    return set(own.model_fields)
+    assert issubclass(own, Section)
+    return own.keys()
 
 
-def unknown(shown: str, word: str, known: set[str]) -> str:
-    """What is said of an unknown word: the nearest known one, or all."""
-    near = nearest(word, sorted(known), 1)
-    hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(sorted(known))}"
-    return f"{shown} is unknown; {hint}"
+def unknown(shown: str, name: str, known: set[str]) -> str:
+    """The message for an unknown name, shown as it stands in the file: the nearest, or all."""
+    return f"{shown} is unknown; {suggestion(name, sorted(known))}"

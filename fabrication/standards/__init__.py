@@ -5,7 +5,6 @@ from fabrication.standards.data import (
     bolt_hole,
     bolt_least_distance,
     density,
-    nearest,
     node_diameters,
     stock_size,
 )
@@ -18,7 +17,6 @@ __all__ = [
     "bolt_hole",
     "bolt_least_distance",
     "density",
-    "nearest",
     "node_diameters",
     "polygon",
     "printer",

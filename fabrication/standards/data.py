@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
-from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -16,12 +14,6 @@ from ddgfab.errors import ProjectError
 def table(name: str) -> dict[str, Any]:
     """The data file ``fabrication/standards/<name>.toml`` as a dictionary."""
     return tomllib.loads(files(__package__).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
-
-
-def nearest(word: str, known: Iterable[str], count: int = 3) -> list[str]:
-    """Known words most like `word`, best first; may be empty."""
-    fold = {name.casefold(): name for name in known}
-    return [fold[name] for name in difflib.get_close_matches(word.casefold(), fold, count, 0.5)]
 
 
 def bolt_hole(size: str) -> tuple[float, float]:

@@ -7,7 +7,8 @@ from functools import cache
 from typing import Any, Literal
 
 from ddgfab.errors import ProjectError
-from fabrication.standards.data import nearest, table
+from ddgfab.suggest import nearest
+from fabrication.standards.data import table
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,9 @@ import numpy as np
 
 from ddgfab.errors import ProjectError
 from ddgfab.mesh import Floats
+from ddgfab.suggest import nearest
 from fabrication.specs import Loop, Profile
-from fabrication.standards.data import nearest, table
+from fabrication.standards.data import table
 
 QUARTER: Final = math.tan(math.pi / 8)  # bulge of a quarter circle
 DESIGNATION: Final = re.compile(r"([A-Za-z]+) ?(\d+(?:\.\d+)?(?:x\d+(?:\.\d+)?)*)")

@@ -8,7 +8,7 @@ import numpy as np
 
 from ddgfab.mesh import Floats, Mesh, unit
 from fabrication.gridshell.detailing import Gridshell, detail
-from fabrication.project import make_project
+from fabrication.gridshell.load import make_project
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from ddgfab.offsets import classify_offset
 from fabrication import design
 from fabrication.cli import app
 from fabrication.gridshell.design import Design
-from fabrication.project import load_project
+from fabrication.gridshell.load import load_project
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 NAMES = ("koebe_ball", "minimal_schwarz")

@@ -13,7 +13,6 @@ from fabrication.specs import Loop, Profile
 from fabrication.standards import (
     bolt_hole,
     density,
-    nearest,
     node_diameters,
     polygon,
     profile,
@@ -143,4 +142,3 @@ def test_bolts_nodes_and_materials() -> None:
     assert list(node_diameters("tube")) == sorted(node_diameters("tube"))
     assert density("steel") == 7850.0
     assert stock_size() == (3210.0, 6000.0)
-    assert nearest("profle", ["profile", "end"]) == ["profile"]

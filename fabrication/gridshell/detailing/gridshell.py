@@ -15,7 +15,8 @@ from fabrication.gridshell.detailing.frames import Axes, arms_of, edge_frames, n
 from fabrication.gridshell.detailing.nodes import end_heights, node_ends, node_specs
 from fabrication.gridshell.detailing.panels import face_planes, not_flat, panel_specs
 from fabrication.gridshell.detailing.radius import NodeSize, arm_width, close_arms, node_size
-from fabrication.project import Project, make_project
+from fabrication.gridshell.load import make_project
+from fabrication.gridshell.project import Project
 from fabrication.specs import Beam, Check, Node, Panel, Piece
 
 

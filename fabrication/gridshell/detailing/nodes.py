@@ -11,7 +11,7 @@ from ddgfab.measures import lean
 from ddgfab.mesh import Floats, Mesh
 from fabrication.gridshell.detailing.frames import Arms, EdgeFrames, beam_mark, listed, node_mark
 from fabrication.gridshell.detailing.radius import NodeSize
-from fabrication.project.models import Project, bolt_diameters
+from fabrication.gridshell.project import Project, bolt_diameters
 from fabrication.specs import (
     Arm,
     Check,

@@ -13,7 +13,7 @@ from ddgfab.measures import dihedral_angles, planarity, planarity_percent
 from ddgfab.mesh import Floats, Mesh, unit
 from fabrication.gridshell.detailing.frames import NAMED, EdgeFrames, listed, panel_mark
 from fabrication.gridshell.detailing.outline import least_rectangle
-from fabrication.project.models import Project
+from fabrication.gridshell.project import Project
 from fabrication.specs import Check, Panel, PanelShape, Side
 from fabrication.standards.profiles import first_crossing
 

@@ -17,7 +17,7 @@ from fabrication.gridshell.detailing.frames import (
     listed,
     node_mark,
 )
-from fabrication.project.models import Project
+from fabrication.gridshell.project import Project
 from fabrication.specs import Profile
 from fabrication.standards import node_diameters
 from fabrication.standards.profiles import z_range

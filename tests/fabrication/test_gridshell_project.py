@@ -10,7 +10,8 @@ import pytest
 from ddgfab.errors import ProjectError
 from ddgfab.nets.registry import find_generator, kinds
 from fabrication.gridshell.design import load_net
-from fabrication.project import Project, load_project, make_project, project_for_mesh
+from fabrication.gridshell.load import load_project, make_project, project_for_mesh
+from fabrication.gridshell.project import Project
 
 NET = '[net]\nkind = "mesh"\nfile = "roof.obj"\n'
 
@@ -113,7 +114,7 @@ def test_generated_nets_take_a_scale_but_no_other_unit(tmp_path: Path) -> None:
         (NET + "[beam]\nprofile = 5\n", [":5:", "= 5", "string"]),
         (NET + "[beam]\nclearance_mm = -1\n", [":5:", "= -1", "greater than or equal to 0"]),
         (NET + "[node]\ndiameter_mm = -3\n", [":5:", "'auto'", "greater than 0"]),
-        (NET + '[node]\ndiameter_mm = "atuo"\n', ['did you mean "auto"']),
+        (NET + '[node]\ndiameter_mm = "atuo"\n', ["did you mean auto?"]),
         (NET + '[node]\nbolt = "M13"\n', [":5:", "M13", "M12"]),
         (NET + '[panel]\nedge = "mitered"\n', ["'mitred'", "did you mean"]),
         (NET + "[panel]\nmax_size_mm = [1]\n", ["too few values"]),
@@ -130,7 +131,7 @@ def test_generated_nets_take_a_scale_but_no_other_unit(tmp_path: Path) -> None:
         ('[project]\nname = "a"\n', ["needs [net]"]),
         ('[net]\nkind = "mesh"\n', [":1:", "needs file"]),
         ('[net]\nkind = "canopy"\nfile = "a.obj"\n', ["file is for"]),
-        ('[net]\nkind = "conicl"\nfile = "a.obj"\n', [":2:", "conicl", 'did you mean "conical"']),
+        ('[net]\nkind = "conicl"\nfile = "a.obj"\n', [":2:", "conicl", "did you mean conical?"]),
         ('[net]\nkind = "zzz"\n', [":2:", "known: mesh, ", "canal"]),
         ('[net]\nkind = "canal"\nturn_deg = 900\n', [":3:", "turn_deg = 900", "-180 to 180"]),
         ('[net]\nkind = "canal"\nturn_deg = "a"\n', [":3:", "turn_deg = 'a' must be a number"]),

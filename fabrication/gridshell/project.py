@@ -1,4 +1,4 @@
-"""The sections of a project file as typed records; every key has a unit, a default and a meaning.
+"""The project of a gridshell as typed records; every key has a unit, a default and a meaning.
 
 A key's unit is in its name: _mm millimetres, _deg degrees, _percent percent.
 """
@@ -8,19 +8,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ddgfab.nets.registry import kinds
 from ddgfab.optimize import Boundary, Goal
+from ddgfab.suggest import suggestion
 from ddgfab.support import SupportKind
 from ddgfab.tolerances import LEAN_LIMIT_DEG
+from fabrication.project.sections import Degrees, Finite, NotNegative, Positive, Section
 from fabrication.specs import Profile
-from fabrication.standards import bolt_hole, density, nearest, polygon, profile, stock_size
+from fabrication.standards import bolt_hole, density, polygon, profile, stock_size
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Degrees = Annotated[float, Field(ge=0, le=180)]
 VertexIds = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(strict=False)]
 Format = Literal["step", "stl", "3mf", "glb", "csv", "xlsx"]
 BoltSize = Literal["none", "M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
@@ -29,13 +27,7 @@ MESH: Final = "mesh"
 """The kind of net that is read from a file; all others are generated."""
 
 
-class Section(BaseModel):
-    """Base of the sections: frozen, strict about types, unknown keys refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-
-class General(Section):
+class GeneralSettings(Section):
     """[project]: name and the size of the input.
 
     Attributes
@@ -52,7 +44,7 @@ class General(Section):
     median_edge_mm: Positive | None = None
 
     @model_validator(mode="after")
-    def _one_size(self) -> General:
+    def _one_size(self) -> GeneralSettings:
         if self.median_edge_mm is not None and self.model_fields_set & {"scale", "units"}:
             raise ValueError("median_edge_mm replaces scale and units: give one or the other")
         return self
@@ -64,7 +56,7 @@ class General(Section):
         return self.scale * (1000.0 if self.units == "m" else 1.0)
 
 
-class Net(Section):
+class NetSettings(Section):
     """[net]: where the surface comes from.
 
     Attributes
@@ -79,18 +71,21 @@ class Net(Section):
     file: Path | None = Field(default=None, strict=False)
     parameters: dict[str, Any] = Field(default_factory=dict)
 
+    @classmethod
+    def keys(cls) -> set[str]:
+        """Without `parameters`, which no file may name: they stand beside kind."""
+        return {"kind", "file"}
+
     @field_validator("kind")
     @classmethod
     def _known(cls, value: str) -> str:
         known = (MESH, *kinds())
         if value not in known:
-            near = nearest(value, known, 1)
-            hint = f'did you mean "{near[0]}"?' if near else f"known: {', '.join(known)}"
-            raise ValueError(f'"{value}" is unknown; {hint}')
+            raise ValueError(f'"{value}" is unknown; {suggestion(value, known)}')
         return value
 
     @model_validator(mode="after")
-    def _source(self) -> Net:
+    def _source(self) -> NetSettings:
         if self.kind == MESH and self.file is None:
             raise ValueError('kind = "mesh" needs file = "..."')
         if self.kind != MESH and self.file is not None:
@@ -144,7 +139,7 @@ class OptimizeSettings(Section):
         return self
 
 
-class Support(Section):
+class SupportSettings(Section):
     """[support]: the construction of the node axes, and how far they may lean.
 
     Attributes
@@ -255,7 +250,7 @@ class PanelSettings(Section):
     density: Positive = density("glass")
 
 
-class Checks(Section):
+class CheckSettings(Section):
     """[checks]: limits; a part beyond one is made and listed, and the exit code is 1.
 
     Attributes
@@ -280,13 +275,13 @@ class Checks(Section):
     verify: Literal["all", "sample", "none"] = "all"
 
     @model_validator(mode="after")
-    def _ordered(self) -> Checks:
+    def _ordered(self) -> CheckSettings:
         if self.bend_percent < self.flat_percent:
             raise ValueError("bend_percent must not be less than flat_percent")
         return self
 
 
-class Output(Section):
+class OutputSettings(Section):
     """[output].
 
     Attributes
@@ -307,15 +302,15 @@ class Output(Section):
 class Project(Section):
     """A whole project, validated. `file` is where it came from, None when made in Python."""
 
-    project: General = General()
-    net: Net
+    project: GeneralSettings = GeneralSettings()
+    net: NetSettings
     optimize: OptimizeSettings = OptimizeSettings()
-    support: Support = Support()
+    support: SupportSettings = SupportSettings()
     beam: BeamSettings = BeamSettings()
     node: NodeSettings = NodeSettings()
     panel: PanelSettings = PanelSettings()
-    checks: Checks = Checks()
-    output: Output = Output()
+    checks: CheckSettings = CheckSettings()
+    output: OutputSettings = OutputSettings()
     file: Path | None = Field(default=None, exclude=True)
 
     @property

@@ -1,0 +1,104 @@
+"""The project of a gridshell from a TOML file, a mesh file or a dictionary, validated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ddgfab.errors import ProjectError
+from ddgfab.nets.registry import ParameterError, find_generator, kinds
+from fabrication.gridshell.project import MESH, NetSettings, Project
+from fabrication.project.load import (
+    changed,
+    explain,
+    find_line,
+    read_toml,
+    sections_in,
+    show,
+    unknown,
+)
+
+KIT = "linkage"
+"""The section that makes a project one of a linkage (`fabrication.linkage`), not of a gridshell."""
+
+
+def load_project(
+    path: str | Path, changes: Mapping[str, Mapping[str, Any]] | None = None
+) -> Project:
+    """The project in a TOML file, validated; `changes` replaces single values, by section.
+
+    Raises
+    ------
+    ProjectError
+        A file that is missing, no TOML, or has an unknown key or a wrong value; names file, line,
+        key, value, limit, and the nearest known key.
+    """
+    file = Path(path)
+    values, text = read_toml(file)
+    return _project(changed(values, changes), file=file, text=text)
+
+
+def project_for_mesh(path: str | Path, sections: Mapping[str, Any] | None = None) -> Project:
+    """Project with all defaults for a mesh file; `sections` holds values to change by section.
+
+    Raises
+    ------
+    ProjectError
+        An unknown section, key or value in `sections`.
+    """
+    return make_project({"net": {"kind": "mesh", "file": str(path)}, **(sections or {})})
+
+
+def make_project(sections: Mapping[str, Any]) -> Project:
+    """Project from a dictionary of sections, as in a file; `net` defaults to the canopy.
+
+    Raises
+    ------
+    ProjectError
+        An unknown section or key, or a wrong value.
+    """
+    return _project({"net": {"kind": "canopy"}, **sections}, file=None, text="")
+
+
+def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project:
+    name = None if file is None else str(file)
+    if KIT in values:
+        line = find_line(text, (KIT,))
+        raise ProjectError("[linkage] is for a kit: ddgfab linkage", file=name, line=line)
+    sections = sections_in(values, Project, name, text)
+    try:
+        if "net" not in sections:
+            raise ProjectError('a project needs [net] kind = "mesh", file = "..."', file=name)
+        if sections["net"].get("kind", MESH) in kinds():
+            sections["net"] = _generated(sections["net"], name, text)
+            if sections.get("project", {}).get("units", "mm") != "mm":
+                raise ProjectError(
+                    f"[project] units = {show(sections['project']['units'])} is for mesh files; "
+                    f'a net of kind "{sections["net"]["kind"]}" is made in millimetres',
+                    file=name,
+                    line=find_line(text, ("project", "units")),
+                )
+        elif "parameters" in sections["net"]:
+            raise ProjectError(
+                unknown("[net] parameters", "parameters", NetSettings.keys()),
+                file=name,
+                line=find_line(text, ("net", "parameters")),
+            )
+        return Project.model_validate({**sections, "file": file}, strict=None)
+    except ValidationError as error:
+        raise explain(error, Project, name, text) from None
+
+
+def _generated(net: dict[str, Any], name: str | None, text: str) -> dict[str, Any]:
+    """Gathers a generator's parameters, which stand in [net] beside kind, and checks them."""
+    given = dict(net.pop("parameters", {}))
+    given |= {key: net.pop(key) for key in list(net) if key not in ("kind", "file")}
+    try:
+        find_generator(net["kind"]).check(given)
+    except ParameterError as error:
+        line = find_line(text, ("net", error.parameter))
+        raise ProjectError(f"[net] {error}", file=name, line=line) from None
+    return {**net, "parameters": given} if given else net
