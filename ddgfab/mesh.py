@@ -32,6 +32,19 @@ def unit(vectors: Floats) -> Floats:
     return out
 
 
+def extent(points: Floats) -> float:
+    """Twice the greatest distance of (..., dim) points from their mean.
+
+    The size of a set of points for tolerances: no motion, reflection or numbering changes it, as
+    they would change the diagonal of an axis-parallel box. At least the greatest distance of two
+    points, at most twice that.
+    """
+    rows = points.reshape(-1, points.shape[-1])
+    if not len(rows):
+        return 0.0
+    return 2.0 * float(np.linalg.norm(rows - rows.mean(axis=0), axis=1).max())
+
+
 def _frozen(array: NDArray[_T]) -> NDArray[_T]:
     array.setflags(write=False)
     return array
@@ -400,9 +413,8 @@ class Mesh:
 
     @cached_property
     def diameter(self) -> float:
-        """Diagonal of the bounding box of the vertices that faces use."""
-        used = self.vertices[self.corners]
-        return float(np.linalg.norm(used.max(axis=0) - used.min(axis=0)))
+        """Size of the mesh: `extent` of the vertices that faces use."""
+        return extent(self.vertices[self.valences > 0])
 
     # --- new meshes --------------------------------------------------------------------------
     def with_vertices(self, vertices: ArrayLike) -> Mesh:

@@ -18,7 +18,10 @@ from ddgfab.support.edge import koebe_field
 from ddgfab.support.exact import cone_field, reflected_axes
 
 OFFSET_RELATIVE: Final = 1e-9
-"""Distances count as constant, and edges as parallel, below this spread relative to their size."""
+"""Distances count as constant, and edges as parallel, below this spread relative to their size.
+
+Every function takes another as `tolerance`: coordinates of six digits leave some 1e-6.
+"""
 
 Element = Literal["vertex", "edge", "face"]
 _PLURAL: Final[dict[Element, str]] = {"vertex": "vertices", "edge": "edges", "face": "faces"}
@@ -34,22 +37,25 @@ class OffsetReport:
     spread : how much each varies
     parallel : greatest sine of the angle between corresponding edges
     scale : greatest distance of vertices, against which spreads are judged
+    tolerance : spread, over the scale, below which distances count as constant, and sine below
+        which edges count as parallel
     """
 
     distance: dict[Element, float]
     spread: dict[Element, float]
     parallel: float
     scale: float
+    tolerance: float = OFFSET_RELATIVE
 
     @property
     def constant(self) -> tuple[Element, ...]:
-        """The elements at a constant distance, within `OFFSET_RELATIVE`."""
-        return tuple(k for k, v in self.spread.items() if v <= OFFSET_RELATIVE * self.scale)
+        """The elements at a constant distance, within the tolerance."""
+        return tuple(k for k, v in self.spread.items() if v <= self.tolerance * self.scale)
 
     @property
     def is_parallel(self) -> bool:
-        """Whether all edges are parallel, within `OFFSET_RELATIVE`."""
-        return self.parallel <= OFFSET_RELATIVE
+        """Whether all edges are parallel, within the tolerance."""
+        return self.parallel <= self.tolerance
 
     def __str__(self) -> str:
         kind = " and ".join(self.constant) or "no"
@@ -58,7 +64,9 @@ class OffsetReport:
         return f"{kind} offset: distance of {words}; {parallel}"
 
 
-def classify_offset(mesh: Mesh, other: Mesh | ArrayLike) -> OffsetReport:
+def classify_offset(
+    mesh: Mesh, other: Mesh | ArrayLike, tolerance: float = OFFSET_RELATIVE
+) -> OffsetReport:
     """Which distances between a mesh and another with the same faces are constant.
 
     Constant distance of vertices: (v' - v) / d lies on the unit sphere and planar faces are
@@ -68,6 +76,7 @@ def classify_offset(mesh: Mesh, other: Mesh | ArrayLike) -> OffsetReport:
     Parameters
     ----------
     other : the parallel mesh, or its (V, 3) vertices
+    tolerance : of the report, see `OffsetReport`
 
     Raises
     ------
@@ -97,11 +106,17 @@ def classify_offset(mesh: Mesh, other: Mesh | ArrayLike) -> OffsetReport:
         {name: float(np.ptp(v)) for name, v in values.items()},
         float(sine.max()),
         float(vertex.max()),
+        tolerance,
     )
 
 
-def vertex_offset(mesh: Mesh, distance: float) -> Mesh:
+def vertex_offset(mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE) -> Mesh:
     """Parallel mesh of a circular net at a constant distance of vertices, to the outside.
+
+    Parameters
+    ----------
+    tolerance : how far edges may turn [rad], and the distance vary in parts of it; meshes from
+        files with few digits need more than the default (about 1e-5 for six digits)
 
     Raises
     ------
@@ -111,14 +126,19 @@ def vertex_offset(mesh: Mesh, distance: float) -> Mesh:
     Source: mathematics.md 2.7, 10.6.
     """
     axes = reflected_axes(mesh)
-    _refuse(mesh, axes, "vertex", "circular")
+    _refuse(mesh, axes, "vertex", "circular", tolerance)
     return mesh.with_vertices(mesh.vertices + distance * axes)
 
 
-def face_offset(mesh: Mesh, distance: float) -> Mesh:
+def face_offset(mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE) -> Mesh:
     """Parallel mesh of a conical net at a constant distance of faces, to the outside.
 
     Boundary vertices have freedom left: theirs are nearest to the surface normals.
+
+    Parameters
+    ----------
+    tolerance : how far edges may turn [rad], and the distance vary in parts of it; meshes from
+        files with few digits need more than the default (about 1e-5 for six digits)
 
     Raises
     ------
@@ -129,14 +149,19 @@ def face_offset(mesh: Mesh, distance: float) -> Mesh:
     10.6.
     """
     field = cone_field(mesh)
-    _refuse(mesh, field, "face", "conical")
+    _refuse(mesh, field, "face", "conical", tolerance)
     return mesh.with_vertices(mesh.vertices + distance * field)
 
 
-def edge_offset(mesh: Mesh, distance: float) -> Mesh:
+def edge_offset(mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE) -> Mesh:
     """Parallel mesh at a constant distance of edges, to the outside, of a mesh like a Koebe net.
 
     Beams on it have one height, and their upper edges meet at the nodes.
+
+    Parameters
+    ----------
+    tolerance : how far edges may turn [rad], and the distance vary in parts of it; meshes from
+        files with few digits need more than the default (about 1e-5 for six digits)
 
     Raises
     ------
@@ -146,12 +171,19 @@ def edge_offset(mesh: Mesh, distance: float) -> Mesh:
 
     Source: v' = v + d k_v; mathematics.md 10.6.
     """
-    field = koebe_field(mesh)
+    field = koebe_field(mesh, tolerance)
     return mesh.with_vertices(mesh.vertices + distance * field)
 
 
-def exact_offset(mesh: Mesh, distance: float) -> tuple[Mesh, OffsetReport]:
+def exact_offset(
+    mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE
+) -> tuple[Mesh, OffsetReport]:
     """The parallel mesh at a constant distance that the net allows: vertices, faces or edges first.
+
+    Parameters
+    ----------
+    tolerance : how far edges may turn [rad], and the distance vary in parts of it; meshes from
+        files with few digits need more than the default (about 1e-5 for six digits)
 
     Raises
     ------
@@ -161,18 +193,18 @@ def exact_offset(mesh: Mesh, distance: float) -> tuple[Mesh, OffsetReport]:
     reasons = []
     for offset in (vertex_offset, face_offset, edge_offset):
         try:
-            moved = offset(mesh, distance)
+            moved = offset(mesh, distance, tolerance)
         except DegenerateError as error:
             reasons.append(str(error).split("\n")[0])
         else:
-            return moved, classify_offset(mesh, moved)
+            return moved, classify_offset(mesh, moved, tolerance)
     raise DegenerateError("no offset at a constant distance:\n" + "; ".join(reasons))
 
 
-def _refuse(mesh: Mesh, field: Floats, element: Element, kind: str) -> None:
+def _refuse(mesh: Mesh, field: Floats, element: Element, kind: str, tolerance: float) -> None:
     """Raise `DegenerateError` unless v + d s_v is parallel with a constant distance of elements."""
     size = float(np.median(mesh.edge_lengths))
-    report = classify_offset(mesh, mesh.vertices + size * field)
+    report = classify_offset(mesh, mesh.vertices + size * field, tolerance)
     if report.is_parallel and element in report.constant:
         return
     start, end = mesh.edges.T
@@ -182,5 +214,5 @@ def _refuse(mesh: Mesh, field: Floats, element: Element, kind: str) -> None:
         f"the mesh is not {kind}: offset by one edge length its edges turn by up to "
         f"{np.degrees(report.parallel):.2g} deg (edge {worst}) and the distance of its "
         f"{_PLURAL[element]} varies by {report.spread[element] / report.scale:.1e} (limit "
-        f"{OFFSET_RELATIVE:g})"
+        f"{tolerance:g})"
     )

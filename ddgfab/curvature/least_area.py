@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 from ddgfab.curvature.cotangent import area_gradient, cotangent_laplacian, triangles_of
 from ddgfab.errors import DegenerateError, MeshError
-from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.mesh import Floats, Ints, Mesh, extent
 from ddgfab.tolerances import NET_INPUT
 
 GRADIENT_RELATIVE: Final = 1e-10
@@ -220,7 +220,7 @@ def associated_family(mesh: Mesh) -> AssociatedFamily:
     turned = np.cross(mesh.face_normals[:, None], steps)
     conjugate = _integrate(mesh.n_edges, sides, turned)
     gap = np.roll(conjugate[sides], -1, axis=1) - conjugate[sides] - turned
-    size = float(np.ptp(conjugate, axis=0).max())
+    size = extent(conjugate)
     closing = float(np.linalg.norm(gap, axis=-1).max()) / size
     if not closing <= NET_INPUT:
         inner = np.where(mesh.boundary_vertex, 0.0, np.linalg.norm(area_gradient(mesh), axis=1))

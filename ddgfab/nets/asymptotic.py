@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, extent
 from ddgfab.nets.cells import Place, finite, layer, net_points, pairs
 from ddgfab.nets.knet_evolve import integrate
 from ddgfab.nets.moutard import moutard_coefficients
@@ -51,7 +51,7 @@ def star_edges(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Flo
         lengths, rows = np.moveaxis(length, k, 0), np.moveaxis(edges, k, 0)
         if not closed[k]:
             lengths, rows = lengths[:-1], rows[:-1]
-        scale = float(np.abs(x).max())
+        scale = extent(x)
 
         def cell(index: tuple[int, ...], k: int = k) -> tuple[int, ...]:
             return (*index[1 : k + 1], index[0], *index[k + 1 :])

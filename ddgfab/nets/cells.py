@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import DegenerateError, InputError
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, extent
 from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
 
 Bools = NDArray[np.bool_]
@@ -264,8 +264,8 @@ def _boundary(
         raise InputError(f"polylines of {len(a)} and {len(b)} points: two at least are needed")
     finite(a, "first polyline")
     finite(b, "second polyline")
-    size = max(np.ptp(a, axis=0).max(), np.ptp(b, axis=0).max())
-    gap = float(np.abs(a[0] - b[0]).max())
+    size = max(extent(a), extent(b))
+    gap = float(np.linalg.norm(a[0] - b[0]))
     if gap > RELATIVE_DEGENERATE * size:
         raise InputError(f"the polylines start {gap:g} apart; they must share their first point")
     shape = (len(a) - 1, len(b) - 1)

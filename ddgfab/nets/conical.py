@@ -248,17 +248,20 @@ def conical_to_circular(points: ArrayLike, first: ArrayLike | None = None) -> Fl
     that of N - N', and stays defined where the faces are nearly one.
     """
     x = _net(points)
+    origin = x[0, 0].copy()  # reflections about a point of the net: far from it they lose digits
+    x = x - origin
     n = face_normals(x)
     mirrors = [_mirrors(x, n, axis) for axis in (0, 1)]
-    start = np.zeros(3) if first is None else np.asarray(first, dtype=np.float64)
+    start = np.zeros(3) if first is None else np.asarray(first, dtype=np.float64) - origin
     if first is None:
         # Points depend on the first by motions; average where those ask it to be.
         zero = _reflect_all(np.zeros(3), mirrors, n.shape)
-        turned = np.stack([_reflect_all(b, mirrors, n.shape) - zero for b in np.eye(3)], axis=-1)
+        turns = [(np.zeros_like(on), m) for on, m in mirrors]
+        turned = np.stack([_reflect_all(b, turns, n.shape) for b in np.eye(3)], axis=-1)
         centres = 0.25 * (x[1:, 1:] + x[1:, :-1] + x[:-1, 1:] + x[:-1, :-1])
         start = np.einsum("ijkl,ijk->ijl", turned, centres - zero).mean(axis=(0, 1))
-    start = start - ((start - x[0, 0]) @ n[0, 0]) * n[0, 0]
-    return _reflect_all(start, mirrors, n.shape)
+    start = start - (start @ n[0, 0]) * n[0, 0]
+    return origin + _reflect_all(start, mirrors, n.shape)
 
 
 def _mirrors(x: Floats, n: Floats, axis: int) -> tuple[Floats, Floats]:

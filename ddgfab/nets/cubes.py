@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
-from ddgfab.mesh import Floats, Ints
+from ddgfab.mesh import Floats, Ints, extent
 from ddgfab.nets.cells import Place, columns, finite, net_points, norm, refuse_growth
 from ddgfab.nets.conjugate import coeffs_kernel, conj_residual, planarity
 from ddgfab.tolerances import CONDITION_LIMIT, NET_INPUT, RELATIVE_DEGENERATE
@@ -245,13 +245,13 @@ def _with_surfaces(surfaces: Mapping[tuple[int, int], ArrayLike]) -> Floats:
             flat > NET_INPUT, f"it is not planar, limit {NET_INPUT:g}", flat
         )
     net = np.empty((*sizes, dim))
-    scale = max(float(np.ptp(s.reshape(-1, dim), axis=0).max()) for s in given.values())
+    scale = max(extent(s) for s in given.values())
     for step, ((k, m), surface) in enumerate(given.items()):
         box = tuple(slice(None) if axis in (k, m) else 0 for axis in range(d))
         for axis, line in ((k, surface[:, 0]), (m, surface[0])):
             before = any(axis in pair for pair in wanted[:step])
             at = tuple(slice(None) if other == axis else 0 for other in range(d))
-            gap = float(np.abs(net[at] - line).max()) if before else 0.0
+            gap = float(np.linalg.norm(net[at] - line, axis=-1).max()) if before else 0.0
             if gap > RELATIVE_DEGENERATE * scale:
                 raise InputError(
                     f"surface {(k, m)} and one before it differ on axis {axis}: {gap:g}"

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, extent
 from ddgfab.nets.cells import Place, columns, dot, finite, net_points, norm, pairs, sweep
 from ddgfab.nets.circular import circular_residuals
 from ddgfab.nets.crossratio import cross_ratios
@@ -172,14 +172,14 @@ def evolve_isothermic(
     net = sweep(a, b, labels, point_rule)
     if not np.isfinite(growth_limit):
         return net
-    size = float(np.ptp(net.reshape(-1, net.shape[-1]), axis=0).max())
+    size = extent(net)
     rng = np.random.default_rng(0)
     nudge = PROBE * size
     other_a, other_b = (p + nudge * rng.standard_normal(p.shape) for p in (a, b))
     other_b[0] = other_a[0]
     try:
         moved = sweep(other_a, other_b, labels, point_rule)
-        growth = float(np.abs(moved - net).max()) / nudge
+        growth = float(np.linalg.norm(moved - net, axis=-1).max()) / nudge
     except DegenerateError:
         growth = np.inf
     if growth > growth_limit:

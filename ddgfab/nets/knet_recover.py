@@ -207,7 +207,7 @@ def _refusal(
         at = tuple(int(i) for i in np.unravel_index(int(flat), worst.shape))
         name = str(at)
         if isinstance(source, Mesh):
-            name = str(int(np.argmin(np.abs(source.vertices - x[at]).max(axis=1))))
+            name = str(int(np.argmin(np.linalg.norm(source.vertices - x[at], axis=1))))
         kind = max(defects, key=lambda key: float(defects[key][at]))
         named.append(f"{name}: {worst[at]:.3g} ({kind})")
     bad = int((worst > limit).sum())

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, extent
 from ddgfab.nets.cells import Place, finite
 from ddgfab.nets.cubes import coordinate_surfaces, evolve_nd
 from ddgfab.tolerances import NET_INPUT
@@ -97,8 +97,8 @@ def lattice(
         both = np.asarray(transform_b(a), dtype=np.float64)
         other = np.asarray(transform_a(b), dtype=np.float64)
         if both.shape == other.shape:
-            size = float(np.ptp(both.reshape(-1, both.shape[-1]), axis=0).max())
-            gap = float(np.abs(both - other).max())
+            size = extent(both)
+            gap = float(np.linalg.norm(both - other, axis=-1).max())
             if gap > NET_INPUT * size:
                 raise DegenerateError(
                     f"the transforms do not commute: T_b T_a x and T_a T_b x are {gap:g} apart "
@@ -134,9 +134,9 @@ def common_transform(
     given = np.stack([stack_transforms([x, b]), stack_transforms([a, a])], axis=-3)
     given[(*origin, 1, 1)] = corner
     made = evolve_nd(coordinate_surfaces(given))
-    size = float(np.ptp(x.reshape(-1, x.shape[-1]), axis=0).max())
+    size = extent(x)
     for name, sheet, layer in (("first", a, made[..., 1, 0, :]), ("second", b, made[..., 0, 1, :])):
-        gap = np.abs(sheet - layer).max(axis=-1)
+        gap = np.linalg.norm(sheet - layer, axis=-1)
         Place(name=f"{name} transform, point").refuse(
             gap > NET_INPUT * size, "it is no transform of the net: distance", gap
         )

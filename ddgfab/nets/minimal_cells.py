@@ -204,7 +204,7 @@ def schwarz_p_cell(cells: int) -> PeriodicCell:
         tried = moves + shift
         window = -0.3 * period
         tried -= period * np.floor((tried - window) / period)
-        gap = np.abs(tried[b] - tried[a] - step).max(axis=1)
+        gap = np.linalg.norm(tried[b] - tried[a] - step, axis=1)
         if (count := int((gap < 0.25 * period).sum())) > closed:
             best, closed = tried, count
     net = join(parts, list(best))

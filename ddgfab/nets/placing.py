@@ -40,7 +40,7 @@ def chord_arc(start: ArrayLike, end: ArrayLike, bulge: float, count: int) -> Flo
     """
     a, b = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     length = float(np.hypot(*(b - a)))
-    if length <= RELATIVE_DEGENERATE * max(1.0, float(np.abs(a).max())):
+    if length <= RELATIVE_DEGENERATE * max(float(np.hypot(*a)), float(np.hypot(*b))):
         raise DegenerateError("the arc has no length: its ends are one point")
     half = 2.0 * np.arctan(2.0 * bulge)
     angle = np.linspace(-half, half, count + 1)

@@ -42,7 +42,7 @@ def rotational_net(meridian: ArrayLike, azimuths: ArrayLike) -> Floats:
         raise InputError(
             f"meridian {m.shape} and azimuths {angle.shape}: (2 or more, 2) and (2 or more,) needed"
         )
-    size = float(np.abs(m).max())
+    size = float(m[:, 0].max())
     low = np.flatnonzero(m[:, 0] <= RELATIVE_DEGENERATE * size)
     if len(low):
         raise DegenerateError(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError, MeshError
-from ddgfab.mesh import Floats, Ints, Mesh, unit
+from ddgfab.mesh import Floats, Ints, Mesh, extent, unit
 from ddgfab.nets.cells import finite
 from ddgfab.nets.circles import Circles, Spheres
 from ddgfab.nets.sisothermic_labels import checked_labels, double_cover
@@ -285,12 +285,14 @@ class Dual:
     closing: float
 
 
-def dual(net: SIsothermic, labels: Ints | None = None) -> Dual:
+def dual(net: SIsothermic, labels: Ints | None = None, tolerance: float = CLOSING) -> Dual:
     """The dual s-isothermic net: edges e / (r_i r_j) with alternating signs, spheres 1 / r.
 
     Parameters
     ----------
     labels : (E,) +1 and -1 alternating round every face; found by default (`label_edges`)
+    tolerance : by which the worst edge may miss, in parts of the size; nets from files with few
+        digits need more than the default
 
     Raises
     ------
@@ -306,7 +308,7 @@ def dual(net: SIsothermic, labels: Ints | None = None) -> Dual:
     signs = checked_labels(net.mesh, labels)
     i, j = net.mesh.edges.T
     scale = signs / (net.radii[i] * net.radii[j])
-    points, closing = integrate(net.mesh, scale[:, None] * net.mesh.edge_vectors)
+    points, closing = integrate(net.mesh, scale[:, None] * net.mesh.edge_vectors, tolerance)
     radii = np.divide(1.0, net.radii, out=np.zeros_like(net.radii), where=net.radii > 0)
     return Dual(SIsothermic(net.mesh.with_vertices(points), radii), signs, closing)
 
@@ -338,7 +340,7 @@ def integrate(mesh: Mesh, edges: Floats, closing: float = CLOSING) -> tuple[Floa
     points[used] -= points[used].mean(axis=0)
     miss = np.linalg.norm(points[end] - points[start] - edges, axis=1)
     worst = int(miss.argmax())
-    diameter = float(np.linalg.norm(np.ptp(points[used], axis=0)))
+    diameter = extent(points[used])
     if not diameter > 0:
         raise DegenerateError("the edge vectors have no length: all vertices would be one point")
     if not miss[worst] <= closing * diameter:

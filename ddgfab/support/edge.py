@@ -18,7 +18,7 @@ EDGE_RELATIVE: Final = 1e-9
 """Greatest turn of edges [rad], and spread of their distance in parts of it, of an edge offset."""
 
 
-def edge_axes(mesh: Mesh) -> Floats:
+def edge_axes(mesh: Mesh, tolerance: float = EDGE_RELATIVE) -> Floats:
     """(V, 3) unit axes along the vertices of the parallel Koebe net: beams of one height.
 
     Raises
@@ -28,16 +28,20 @@ def edge_axes(mesh: Mesh) -> Floats:
 
     Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3.3; mathematics.md 10.6.
     """
-    return unit(koebe_field(mesh))
+    return unit(koebe_field(mesh, tolerance))
 
 
-def koebe_field(mesh: Mesh) -> Floats:
+def koebe_field(mesh: Mesh, tolerance: float = EDGE_RELATIVE) -> Floats:
     """(V, 3) vertices of the parallel Koebe net: every edge touches the unit sphere.
 
     The edges at a vertex touch a sphere just when they lie on a cone of revolution, whose axis
     solves <u_i, a> = 1 for the unit edges u_i; |k| is 1 / sin of its angle. Where the mesh is a
     saddle, one family of its edges runs against that of the Koebe net, so u_i changes sign.
     Corners with two edges follow from their neighbours.
+
+    Parameters
+    ----------
+    tolerance : greatest turn of edges [rad], and spread of their distance in parts of it
 
     Raises
     ------
@@ -56,7 +60,7 @@ def koebe_field(mesh: Mesh) -> Floats:
             field = _touching(mesh, signs)
             if np.einsum("vx,vx->", field, mesh.vertex_normals) < 0:
                 field = -field
-            _refuse(mesh, field)
+            _refuse(mesh, field, tolerance)
         except DegenerateError as error:
             failures.append(error)
         else:
@@ -119,7 +123,7 @@ def _from_neighbours(
     return True
 
 
-def _refuse(mesh: Mesh, field: Floats) -> None:
+def _refuse(mesh: Mesh, field: Floats, tolerance: float) -> None:
     """Raise `DegenerateError` unless the field is a mesh parallel to this one, at distance 1."""
     start, end = mesh.edges.T
     along = unit(mesh.edge_vectors)
@@ -128,12 +132,12 @@ def _refuse(mesh: Mesh, field: Floats) -> None:
     turned *= size / mesh.edge_lengths
     away = np.linalg.norm(np.cross(0.5 * (field[start] + field[end]), along), axis=1)
     spread = float(np.ptp(away)) / float(np.linalg.norm(field, axis=1).max())
-    if turned.max() <= EDGE_RELATIVE and spread <= EDGE_RELATIVE:
+    if turned.max() <= tolerance and spread <= tolerance:
         return
     raise DegenerateError(
         "the mesh is not parallel to a Koebe net: offset by one edge length its edges turn by up "
         f"to {np.degrees(turned.max()):.2g} deg (edge {int(turned.argmax())}) and the distance of "
-        f"its edges varies by {spread:.1e} (limit {EDGE_RELATIVE:g})"
+        f"its edges varies by {spread:.1e} (limit {tolerance:g})"
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, extent
 from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
 
 Surface = Callable[[Floats, Floats], ArrayLike]
@@ -167,5 +167,5 @@ def smooth_dual(
     dual[1:, 0] = np.cumsum(along[:, 0], axis=0)
     dual[:, 1:] = dual[:, :1] + np.cumsum(across, axis=1)
     gap = np.linalg.norm(np.diff(along, axis=1) - np.diff(across, axis=0), axis=-1)
-    size = float(np.ptp(dual.reshape(-1, 3), axis=0).max())
+    size = extent(dual)
     return dual, float(gap.max()) / size

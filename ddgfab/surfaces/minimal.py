@@ -27,7 +27,8 @@ MOST_PARTS = 64
 """Parts into which a way is divided at most."""
 
 SETTLED = 1e-12
-"""An integral has settled when twice the parts change it by less than this part of it."""
+"""An integral has settled when twice the parts change it by less than this part of its way's
+length."""
 
 LENGTH_SETTLED = 1e-3
 """The length of a way has settled when twice the parts change it by less than this part of it."""
@@ -63,8 +64,7 @@ class Weierstrass:
         while parts <= MOST_PARTS:
             with np.errstate(all="ignore"):  # poles are told below
                 points, length = self._integral(ends, start, parts)
-                change = np.abs(points - before).max(axis=-1)
-                settled = change <= SETTLED * np.maximum(1.0, np.abs(points).max(axis=-1))
+                settled = np.linalg.norm(points - before, axis=-1) <= SETTLED * length
                 # The two sides of a pole may cancel; lengths of ways through it grow for ever.
                 settled &= np.abs(length - length_before) <= LENGTH_SETTLED * length
             if settled.all():

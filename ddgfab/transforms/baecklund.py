@@ -177,7 +177,7 @@ def bianchi(net: KNet, first: KNet, second: KNet) -> KNet:
     for name, other in (("first", first), ("second", second)):
         if other.m.shape != net.m.shape or abs(other.r - net.r) > NET_INPUT * net.r:
             raise InputError(f"{name} transform is {other!r}, the net {net!r}; they must agree")
-        gap = np.abs(other.points - _aside(net, other.m)).max(axis=-1)
+        gap = np.linalg.norm(other.points - _aside(net, other.m), axis=-1)
         if not gap.max() <= NET_INPUT * net.r:
             at = tuple(int(i) for i in np.unravel_index(int(gap.argmax()), gap.shape))
             raise InputError(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
-from ddgfab.mesh import Floats
+from ddgfab.mesh import Floats, extent
 from ddgfab.nets.cells import Place, finite, net_points
 from ddgfab.nets.isothermic import isothermic_point, net_labels, point_rule
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
@@ -84,7 +84,7 @@ def darboux(
 def _check_closing(x: Floats, out: Floats, alpha: tuple[Floats, ...], mu: float) -> None:
     """Every edge of the net carries the transform, also those it was not made along."""
     d = x.ndim - 1
-    size = float(np.ptp(out.reshape(-1, out.shape[-1]), axis=0).max())
+    size = extent(out)
     for axis in range(d):
         n = x.shape[axis]
         low, high = (r for r in (range(n - 1), range(1, n)))

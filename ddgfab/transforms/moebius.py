@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,14 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
+
+SAME_CENTER: Final = 8.0 * float(np.finfo(np.float64).eps)
+"""Centers of two inversions are one point when they differ by less than this part of their
+coordinates: by rounding alone."""
+
+NEAR_CENTER: Final = 1e-2
+"""Inversions whose centers are nearer than this part of the greater radius are applied one after
+the other: as one map x -> A J(x - p) + b they would lose the digits of radius / distance."""
 
 
 def invert(points: ArrayLike, centre: ArrayLike, radius: float) -> Floats:
@@ -25,10 +34,19 @@ def invert(points: ArrayLike, centre: ArrayLike, radius: float) -> Floats:
     x = np.asarray(points, dtype=np.float64)
     away = x - np.asarray(centre, dtype=np.float64)
     square = np.sum(away * away, axis=-1, keepdims=True)
-    at = np.argwhere(square[..., 0] <= (RELATIVE_DEGENERATE * radius) ** 2)
-    if len(at):
-        raise DegenerateError(f"point {tuple(at[0].tolist())} lies in the centre of the inversion")
+    _refuse_center(square[..., 0], radius)
     return np.asarray(centre + radius**2 * away / square)
+
+
+def _refuse_center(square: Floats, radius: float) -> None:
+    """Refuse squared distances from the center of an inversion that are none."""
+    at = np.argwhere(square <= (RELATIVE_DEGENERATE * radius) ** 2)
+    if len(at):
+        index = tuple(at[0].tolist())
+        raise DegenerateError(
+            f"point {index} lies in the center of the inversion: distance "
+            f"{float(np.sqrt(square[index])):.3g}, limit {RELATIVE_DEGENERATE * radius:.3g}"
+        )
 
 
 def invert_normals(points: ArrayLike, normals: ArrayLike, centre: ArrayLike) -> Floats:
@@ -50,13 +68,16 @@ class Moebius:
     Make one with `similarity`, `inversion` or `reflection`, and compose with `@`: (f @ g)(x) is
     f(g(x)). Circles and spheres (lines and planes among them) go to such, angles are kept, real
     parts of cross-ratios too, and so circular nets go to circular nets; planar faces in general
-    are not kept.
+    are not kept. Points are measured from the pole, so that images are as exact as their
+    distances from it, at every scale.
 
     Attributes
     ----------
     matrix : (3, 3) A, an orthogonal matrix times a positive factor
     shift : (3,) b
     pole : (3,) p, the point that goes to infinity, or None where that stays
+    before : the map that is applied first where the two as one would lose digits (`NEAR_CENTER`),
+        else None; matrix, shift and pole belong to the map after it
 
     Source: Bobenko, Suris, Discrete Differential Geometry, 3.1 and appendix; Liouville 1850.
     """
@@ -64,6 +85,7 @@ class Moebius:
     matrix: Floats
     shift: Floats
     pole: Floats | None = None
+    before: Moebius | None = None
 
     @staticmethod
     def similarity(
@@ -112,13 +134,18 @@ class Moebius:
         if not 0 < square < np.inf:
             raise InputError("the normal of a plane needs a length")
         mirror = np.eye(3) - 2.0 * np.outer(n, n) / square
-        on = np.asarray(point, dtype=np.float64)
-        return Moebius(mirror, on - mirror @ on)
+        height = float(n @ np.asarray(point, dtype=np.float64))
+        return Moebius(mirror, 2.0 * height / square * n)
 
     @property
     def square(self) -> float:
         """The squared factor a^2 of A = a R."""
         return float(np.sum(self.matrix**2)) / 3.0
+
+    @property
+    def _radius(self) -> float:
+        """Radius of the sphere of an inversion, sqrt(a)."""
+        return float(self.square**0.25)
 
     def __call__(self, points: ArrayLike) -> Floats:
         """(..., 3) images of points.
@@ -126,22 +153,31 @@ class Moebius:
         Raises
         ------
         DegenerateError
-            A point in the pole; names its index.
+            A point in the pole (nearer than `RELATIVE_DEGENERATE` radii); names its index.
         """
         x = np.asarray(points, dtype=np.float64)
+        if self.before is not None:
+            x = self.before(x)
         if self.pole is not None:
-            x = invert(x, self.pole, 1.0) - self.pole
+            x = x - self.pole
+            square = np.sum(x * x, axis=-1, keepdims=True)
+            _refuse_center(square[..., 0], self._radius)
+            x = x / square
         return np.asarray(x @ self.matrix.T + self.shift)
 
     def normals(self, points: ArrayLike, normals: ArrayLike) -> Floats:
         """(..., 3) unit normals at the images of points, carried along with the surface."""
         n = np.asarray(normals, dtype=np.float64)
+        if self.before is not None:
+            n, points = self.before.normals(points, n), self.before(points)
         if self.pole is not None:
             n = invert_normals(points, n, self.pole)
         return np.asarray(n @ self.matrix.T / np.sqrt(self.square))
 
     def inverse(self) -> Moebius:
         """The transformation back."""
+        if self.before is not None:
+            return self.before.inverse() @ replace(self, before=None).inverse()
         if self.pole is None:
             back = self.matrix.T / self.square
             return Moebius(back, -back @ self.shift)
@@ -149,6 +185,15 @@ class Moebius:
 
     def __matmul__(self, first: Moebius) -> Moebius:
         """The composition x -> self(first(x))."""
+        if self.before is not None:
+            return replace(self, before=None) @ (self.before @ first)
+        one = self._after(first)
+        if one is None:
+            return replace(self, before=first)
+        return one if first.before is None else one @ first.before
+
+    def _after(self, first: Moebius) -> Moebius | None:
+        """The composition of two single maps as one, or None where that would lose digits."""
         if self.pole is None:
             shift = self.matrix @ first.shift + self.shift
             return Moebius(self.matrix @ first.matrix, shift, first.pole)
@@ -157,22 +202,27 @@ class Moebius:
             # J(A x + e) = A / a^2 J(x + A^-1 e), as J(A y) = A / a^2 J(y).
             pole = -first.matrix.T @ away / first.square
             return Moebius(self.matrix @ first.matrix / first.square, self.shift, pole)
-        size = float(away @ away)
-        if size <= RELATIVE_DEGENERATE**2 * float(self.pole @ self.pole):
+        distance = float(np.linalg.norm(away))
+        if distance <= SAME_CENTER * float(np.linalg.norm(self.pole)):
             # The pole of one is where infinity went: J(A J(y)) = A y / a^2.
             matrix = self.matrix @ first.matrix / first.square
             return Moebius(matrix, self.shift - matrix @ first.pole)
+        if distance <= NEAR_CENTER * max(self._radius, first._radius):
+            return None
         # J(J(w) + e) = J(e) + H J(w + J(e)) / |e|^2 with H the reflection across e.
-        over = away / size
+        over = away / distance**2
         mirror = np.eye(3) - 2.0 * np.outer(away, over)
         return Moebius(
-            self.matrix @ mirror @ first.matrix / size,
+            self.matrix @ mirror @ first.matrix / distance**2,
             self.matrix @ over + self.shift,
             first.pole - first.matrix.T @ over,
         )
 
     def __repr__(self) -> str:
         factor = np.sqrt(self.square)
-        if self.pole is None:
-            return f"Moebius(similarity, scale {factor:.6g})"
-        return f"Moebius(pole {self.pole.tolist()}, power {factor:.6g})"
+        own = (
+            f"similarity, scale {factor:.6g}"
+            if self.pole is None
+            else f"pole {self.pole.tolist()}, power {factor:.6g}"
+        )
+        return f"Moebius({own})" + ("" if self.before is None else f" @ {self.before!r}")

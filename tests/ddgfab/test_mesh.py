@@ -120,7 +120,8 @@ def test_vertex_without_faces_is_harmless() -> None:
     assert mesh.valences.tolist() == [2, 0, 2, 2]
     assert len(mesh.star(1)[0]) == 0
     assert np.isfinite(mesh.vertex_normals).all()
-    assert mesh.diameter == pytest.approx(np.sqrt(2))  # the lonely vertex does not count
+    # The lonely vertex does not count: (1, 0) is sqrt(5) / 3 from the mean of the three corners.
+    assert mesh.diameter == pytest.approx(2 * np.sqrt(5) / 3)
 
 
 def test_arrays_cannot_be_changed_and_copies_are_taken() -> None:
