@@ -261,7 +261,7 @@ def conical_to_circular(points: ArrayLike, first: ArrayLike | None = None) -> Fl
         centres = 0.25 * (x[1:, 1:] + x[1:, :-1] + x[:-1, 1:] + x[:-1, :-1])
         start = np.einsum("ijkl,ijk->ijl", turned, centres - zero).mean(axis=(0, 1))
     start = start - (start @ n[0, 0]) * n[0, 0]
-    return origin + _reflect_all(start, mirrors, n.shape)
+    return np.asarray(origin + _reflect_all(start, mirrors, n.shape))
 
 
 def _mirrors(x: Floats, n: Floats, axis: int) -> tuple[Floats, Floats]:
