@@ -17,7 +17,7 @@ from ddgfab.nets.knet_dini import of_normals
 from fabrication.linkage.bodies import bodies
 from fabrication.linkage.links import detail_linkage
 from fabrication.linkage.settings import settings_for
-from fabrication.motion.capsules import Pieces
+from fabrication.motion.convex import ConvexPieces
 from fabrication.motion.free_range import free_motion
 from fabrication.motion.pairs import near_pairs
 
@@ -50,7 +50,7 @@ def main(sizes: list[int]) -> None:
     for cells in sizes:
         mechanism = mechanism_of(cells)
         parts = bodies(detail_linkage(mechanism, settings_for()))
-        pieces = Pieces.build(mechanism, parts)
+        pieces = ConvexPieces.build(mechanism, parts)
         frames = mechanism.bar_frames(mechanism.pose(mechanism.design))
         near = len(near_pairs(pieces, frames, np.full(len(pieces), CLEARANCE))[0])
         begin = time.perf_counter()

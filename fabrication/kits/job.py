@@ -41,7 +41,7 @@ from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM, write_plates
 from fabrication.linkage.scene import lying_broad, moving_scene, report_page, write_pictures
 from fabrication.linkage.schedules import kit_schedules
-from fabrication.motion.confirm import poses_to_confirm
+from fabrication.motion.free_range import poses_to_confirm
 from fabrication.pipeline import JobResult, staged
 from fabrication.pool import Workers
 from fabrication.problems import problems_of

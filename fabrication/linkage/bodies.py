@@ -12,7 +12,7 @@ import numpy as np
 
 from ddgfab.mesh import Floats
 from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
-from fabrication.motion.capsules import Body, Piece, cylinder, hull
+from fabrication.motion.convex import Body, ConvexPiece, cylinder, hull
 from fabrication.solids.linkframe import Eye, bar_corners, eyes_of, label_corners
 from fabrication.specs import Fitting, Link, Pin
 
@@ -55,7 +55,7 @@ def link_body(mark: str, bar: int, hinges: tuple[int, int], shape: LinkShape) ->
     return Body(mark, tuple(pieces), bar=bar)
 
 
-def _eye_piece(eye: Eye, hinge: int) -> Piece:
+def _eye_piece(eye: Eye, hinge: int) -> ConvexPiece:
     middle, axis = np.array(eye.middle), np.array(eye.axis)
     return cylinder(middle - eye.half * axis, middle + eye.half * axis, eye.radius, eye=hinge)
 
@@ -70,6 +70,6 @@ def fitting_body(
     return Body(mark, tuple(pieces), hinge=hinge)
 
 
-def _round(low: float, high: float, diameter: float) -> Piece:
+def _round(low: float, high: float, diameter: float) -> ConvexPiece:
     ends: Floats = np.array([[0.0, 0.0, low], [0.0, 0.0, high]])
     return cylinder(ends[0], ends[1], diameter / 2.0)

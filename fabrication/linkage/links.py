@@ -21,7 +21,7 @@ from fabrication.linkage.levels import even_levels
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkage.shapes import Seat, heights_of, link_shapes, seats_of
 from fabrication.linkspecs import Label, LinkShape, PinShape
-from fabrication.motion.capsules import Pieces
+from fabrication.motion.convex import ConvexPieces
 from fabrication.motion.free_range import JOINT_CLEARANCE
 from fabrication.motion.pairs import Rules
 from fabrication.motion.proof import Search
@@ -162,7 +162,7 @@ def touching_parts(linkage: Linkage) -> tuple[Touch, ...]:
     """Parts too near each other in the design pose, worst first; then those on one pin whose
     distance never changes."""
     mechanism, solids = linkage.mechanism, bodies(linkage)
-    pieces = Pieces.build(mechanism, solids)
+    pieces = ConvexPieces.build(mechanism, solids)
     rules = Rules.build(mechanism, solids, linkage.settings.axial_gap, JOINT_CLEARANCE)
     search = Search(mechanism, pieces, rules)
     return tuple(

@@ -1,4 +1,4 @@
-"""Parts as they are made, placed in several poses: nothing interpenetrates, clearances are kept."""
+"""Parts as they are made, placed in several poses: none penetrates another, clearances are kept."""
 
 from __future__ import annotations
 
@@ -32,24 +32,30 @@ def check_poses(
     "clearance to MARK" for each neighbour that comes too near: value is the least gap [mm],
     negative for the depth of a penetration, against the limit.
 
-    The certificate of the motion is of the exact shapes between all poses; this is the independent
-    look at the meshes that are written, at some.
+    The certificate of the motion is of the exact shapes between all poses; this measures the meshes
+    that are written, independently, in some poses.
 
     Parameters
     ----------
     meshes : by part number
-    angles : driving angles [rad], such as `poses_to_confirm` gives
+    angles : driving angles [rad], such as `fabrication.motion.free_range.poses_to_confirm` gives
+
+    Raises
+    ------
+    KernelError
+        A mesh is no closed manifold; names its part number.
     """
     settings = kit.linkage.settings
     everywhere = dict.fromkeys(combinations_with_replacement(MOVING, 2), settings.axial_gap)
-    on_pins = _on_pins(kit)
+    hinges, roles = _stacked(kit)
     worst: dict[tuple[str, str], Clash] = {}
     for angle in np.atleast_1d(np.asarray(angles, dtype=np.float64)):
         report = examine_assembly(kit.placed(float(angle)), meshes, everywhere, tolerance=SLACK_MM)
         for clash in report.clashes:
+            first, second = clash.marks
             limit = clash.limit
-            if on_pins[clash.marks[0]] & on_pins[clash.marks[1]]:
-                limit = limit_on_pin(settings, clash.marks)
+            if hinges[first] & hinges[second]:
+                limit = limit_on_pin(settings, roles[first], roles[second])
             before = worst.get(clash.marks)
             if clash.gap < limit - SLACK_MM and (before is None or clash.gap < before.gap):
                 worst[clash.marks] = Clash(clash.marks, clash.gap, limit)
@@ -59,25 +65,27 @@ def check_poses(
             checks.setdefault(here, []).append(
                 Check(f"clearance to {there}", False, clash.gap, clash.limit)
             )
-    return {mark: checks.get(mark, [Check("clearance", True)]) for mark in on_pins}
+    return {mark: checks.get(mark, [Check("clearance", True)]) for mark in hinges}
 
 
-def limit_on_pin(settings: LinkageSettings, marks: tuple[str, str]) -> float:
-    """Least gap [mm] of two pieces on one pin, by the letters of their marks.
+def limit_on_pin(settings: LinkageSettings, first: Role, second: Role) -> float:
+    """Least gap [mm] of two pieces on one pin, by their roles.
 
     Caps are pressed on; bars keep their eyes' distance at the pin, and elsewhere what the
-    certificate asks of links that share a hinge.
+    certificate requires of links that share a hinge.
     """
-    letters = {mark[0] for mark in marks}
-    if "H" in letters:
-        return 0.0 if "C" in letters else settings.clearance
+    roles = {first, second}
+    if "pin" in roles:
+        return 0.0 if "cap" in roles else settings.clearance
     return min(JOINT_CLEARANCE, settings.axial_gap)
 
 
-def _on_pins(kit: Kit) -> dict[str, frozenset[int]]:
-    """By mark, the hinges on whose pins a piece is."""
-    found: dict[str, set[int]] = {}
+def _stacked(kit: Kit) -> tuple[dict[str, frozenset[int]], dict[str, Role]]:
+    """By mark, the hinges on whose pins a piece is, and its role."""
+    hinges: dict[str, set[int]] = {}
+    roles: dict[str, Role] = {}
     for hinge, stack in enumerate(kit.linkage.stacks):
         for item in stack:
-            found.setdefault(item.mark, set()).add(hinge)
-    return {mark: frozenset(hinges) for mark, hinges in found.items()}
+            hinges.setdefault(item.mark, set()).add(hinge)
+            roles[item.mark] = item.role
+    return {mark: frozenset(found) for mark, found in hinges.items()}, roles

@@ -15,7 +15,7 @@ import numpy as np
 
 from ddgfab.mesh import Floats, Ints
 from ddgfab.nets.cells import Bools
-from fabrication.motion.capsules import Pieces
+from fabrication.motion.convex import ConvexPieces
 
 ROUNDS: Final = 40
 """Iterations of the distance search; smooth bodies need about ten."""
@@ -30,7 +30,7 @@ _SUBSETS: Final = tuple(s for size in (1, 2, 3, 4) for s in combinations(range(4
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PlacedPairs:
     """Pairs of pieces as placed: a = first, b = second; all arrays (p, ...).
 
     a, b : pieces; turn_a, turn_b (p, 3, 3) and at_a, at_b (p, 3): frames of their bars
@@ -44,15 +44,17 @@ class Placed:
     at_b: Floats
 
     @staticmethod
-    def build(pieces: Pieces, a: Ints, b: Ints, frames_a: Floats, frames_b: Floats) -> Placed:
+    def build(
+        pieces: ConvexPieces, a: Ints, b: Ints, frames_a: Floats, frames_b: Floats
+    ) -> PlacedPairs:
         """From (p, 4, 4) frames of the pieces' bars."""
-        return Placed(
+        return PlacedPairs(
             a, b, frames_a[:, :3, :3], frames_b[:, :3, :3], frames_a[:, :3, 3], frames_b[:, :3, 3]
         )
 
-    def take(self, index: Ints) -> Placed:
+    def take(self, index: Ints) -> PlacedPairs:
         """Some of the pairs."""
-        return Placed(
+        return PlacedPairs(
             self.a[index],
             self.b[index],
             self.turn_a[index],
@@ -79,13 +81,13 @@ class Gaps:
     point_b: Floats
 
 
-def _support(pieces: Pieces, which: Ints, turn: Floats, at: Floats, way: Floats) -> Floats:
+def _support(pieces: ConvexPieces, which: Ints, turn: Floats, at: Floats, way: Floats) -> Floats:
     """(p, 3) farthest points of placed cores along (p, 3) directions."""
     local = np.einsum("pji,pj->pi", turn, way)
     return np.asarray(np.einsum("pij,pj->pi", turn, pieces.support(which, local)) + at)
 
 
-def segment_gaps(pieces: Pieces, pairs: Placed) -> tuple[Floats, Floats]:
+def segment_gaps(pieces: ConvexPieces, pairs: PlacedPairs) -> tuple[Floats, Floats]:
     """(p,) distances of the capsules around pieces and (p, 3) unit directions from a to b."""
     ends = []
     for which, turn, at in (
@@ -133,7 +135,7 @@ def segment_difference(first: Floats, second: Floats) -> Floats:
     return best
 
 
-def gaps(pieces: Pieces, pairs: Placed) -> Gaps:
+def gaps(pieces: ConvexPieces, pairs: PlacedPairs) -> Gaps:
     """Distances of placed pairs, proven bounds and nearest points."""
     count = len(pairs.a)
     balls = pieces.ball[pairs.a] + pieces.ball[pairs.b]
@@ -225,7 +227,7 @@ def _nearest(simplex: Floats, used: Bools) -> tuple[Floats, Bools, Floats]:
 
 
 @dataclass(frozen=True, eq=False)
-class Moving:
+class PairMotions:
     """Speeds of the bars of pairs, and bounds over an interval; arrays (p, ...).
 
     spin_a, spin_b : (p, 3) angular velocities; speed_a, speed_b : (p, 3) velocities of the frames'
@@ -241,13 +243,13 @@ class Moving:
     pull_b: Floats
     half: Floats
 
-    def take(self, index: Ints) -> Moving:
+    def take(self, index: Ints) -> PairMotions:
         """Some of the pairs."""
         fields = (self.spin_a, self.spin_b, self.speed_a, self.speed_b, self.pull_a, self.pull_b)
-        return Moving(*(values[index] for values in (*fields, self.half)))
+        return PairMotions(*(values[index] for values in (*fields, self.half)))
 
 
-def margin(pieces: Pieces, pairs: Placed, moving: Moving, normal: Floats) -> Floats:
+def margin(pieces: ConvexPieces, pairs: PlacedPairs, moving: PairMotions, normal: Floats) -> Floats:
     """(p,) lower bounds on the distances over |s| <= half, from planes with normals (p, 3).
 
     The plane's normal u turns with the mean angular velocity w of the pair. For points a, b of the
@@ -276,7 +278,7 @@ def margin(pieces: Pieces, pairs: Placed, moving: Moving, normal: Floats) -> Flo
     return np.asarray(low - 0.5 * half**2 * _curving(pieces, pairs, moving, turn))
 
 
-def _curving(pieces: Pieces, pairs: Placed, moving: Moving, turn: Floats) -> Floats:
+def _curving(pieces: ConvexPieces, pairs: PlacedPairs, moving: PairMotions, turn: Floats) -> Floats:
     """(p,) the bound K of `margin`."""
     middles, radii, speeds = [], [], []
     for which, rot, at, spin, speed in (

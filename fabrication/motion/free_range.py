@@ -14,8 +14,8 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from ddgfab.linkages import Mechanism
-from fabrication.motion.capsules import Body, Pieces
 from fabrication.motion.contacts import gaps
+from fabrication.motion.convex import Body, ConvexPieces
 from fabrication.motion.pairs import Rules
 from fabrication.motion.proof import March, Near, Search
 
@@ -30,11 +30,11 @@ Option = TypeVar("Option")
 
 @dataclass(frozen=True)
 class Contact:
-    """Two parts that come near each other.
+    """Two bodies that come near each other.
 
-    marks : the parts; t : driving angle [rad]; gap [mm], 0 where they overlap, against the limit;
-    point : middle of the nearest points [mm], in the frame of bar 0; along : how far the nearest
-    points are along the bars that the parts move with [mm]
+    marks : the bodies; t : driving angle [rad]; gap [mm], 0 where they overlap, against the limit;
+    point : middle of the nearest points [mm], in the frame of bar 0; along : positions of the
+    nearest points along the bars that the bodies move with [mm]
     """
 
     marks: tuple[str, str]
@@ -52,8 +52,8 @@ class FreeMotion:
     low, high : its ends [rad]; both the design angle when the design pose itself is not free
     design : driving angle of the design pose [rad]
     below, above : what ends the range there, worst first; empty at the mechanism's own limit
-    tightest : the nearest pairs within the range, least in hand first
-    certificate : words: what was proven, by how much work, under which assumption
+    tightest : the nearest pairs within the range, least gap over the limit first
+    certificate : text: what was proven, by how much work, under which assumption
     examined : pairs of pieces times intervals
     """
 
@@ -136,9 +136,19 @@ def free_motion(
         tuple(below),
         tuple(above),
         tuple(_contact(search, bodies, near) for near in _tightest(ways)),
-        _words(examined, len(search.pieces)),
+        _certificate(examined, len(search.pieces)),
         examined,
     )
+
+
+def poses_to_confirm(motion: FreeMotion, between: int = 3) -> tuple[float, ...]:
+    """Driving angles [rad] at which meshes are measured to confirm a proven range.
+
+    The ends of the range, the design, the tightest poses and `between` evenly spaced ones.
+    """
+    even = np.linspace(motion.low, motion.high, between + 2)
+    tight = [contact.t for contact in motion.tightest]
+    return tuple(sorted({float(t) for t in (*even, motion.design, *tight)}))
 
 
 def standing(
@@ -164,7 +174,7 @@ def _search(
         if body.bar >= 0 and body.bar in seen:
             raise DetailError(f"bar {body.bar} has two links, {seen[body.bar]} and {body.mark}")
         seen[body.bar] = body.mark
-    pieces = Pieces.build(mechanism, bodies)
+    pieces = ConvexPieces.build(mechanism, bodies)
     return Search(mechanism, pieces, Rules.build(mechanism, bodies, clearance, joint_clearance))
 
 
@@ -179,7 +189,7 @@ def _tightest(ways: Sequence[March]) -> list[Near]:
 
 
 def _contact(search: Search, bodies: Sequence[Body], near: Near) -> Contact:
-    """A pair of pieces in the words of its parts."""
+    """A pair of pieces as a contact of its bodies."""
     a, b = np.array([near.a]), np.array([near.b])
     placed = search.placed(near.t, a, b)
     found = gaps(search.pieces, placed)
@@ -202,7 +212,7 @@ def _contact(search: Search, bodies: Sequence[Body], near: Near) -> Contact:
     )
 
 
-def _words(examined: int, pieces: int) -> str:
+def _certificate(examined: int, pieces: int) -> str:
     return (
         f"{examined} pairs of {pieces} convex pieces times intervals, between samples by bounds on "
         "accelerations that are proven up to the rounding of float64"

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Floats, Ints
 from ddgfab.nets.cells import Bools
-from fabrication.motion.capsules import Body, Pieces
+from fabrication.motion.convex import Body, ConvexPieces
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class Rules:
             mechanism.bars, keys, link_bar >= 0, link_bar, float(clearance), float(joint_clearance)
         )
 
-    def rigid(self, pieces: Pieces, a: Ints, b: Ints) -> Bools:
+    def rigid(self, pieces: ConvexPieces, a: Ints, b: Ints) -> Bools:
         """(p,) whether pairs keep their distance: both turn with a common bar, or about its hinges.
 
         A body of revolution about a hinge stays as it is in the frame of every bar on that hinge.
@@ -69,13 +69,13 @@ class Rules:
         share = (one[:, :, None] == two[:, None, :]).any(axis=(1, 2))
         return np.asarray(share & self.is_link[first] & self.is_link[second])
 
-    def needed(self, pieces: Pieces, a: Ints, b: Ints) -> Floats:
+    def needed(self, pieces: ConvexPieces, a: Ints, b: Ints) -> Floats:
         """(p,) least gaps [mm] of pairs of pieces."""
         near = self.adjacent(pieces.body[a], pieces.body[b])
         return np.where(near, self.joint_clearance, self.clearance)
 
 
-def near_pairs(pieces: Pieces, frames: Floats, extra: Floats) -> tuple[Ints, Ints]:
+def near_pairs(pieces: ConvexPieces, frames: Floats, extra: Floats) -> tuple[Ints, Ints]:
     """Pairs a < b of pieces of different bodies whose capsules, grown by `extra`, could meet.
 
     Segments are cut into parts no longer than the typical one and their middles sought in a k-d

@@ -18,8 +18,8 @@ from ddgfab.linkages.frames import angular_velocity
 from ddgfab.linkages.mechanism import END_SLACK, Bounds
 from ddgfab.mesh import Floats, Ints
 from ddgfab.nets.cells import Bools
-from fabrication.motion.capsules import Pieces
-from fabrication.motion.contacts import Moving, Placed, gaps, margin, segment_gaps
+from fabrication.motion.contacts import PairMotions, PlacedPairs, gaps, margin, segment_gaps
+from fabrication.motion.convex import ConvexPieces
 from fabrication.motion.pairs import Rules, near_pairs
 
 STEP: Final = float(np.radians(2.0))
@@ -110,13 +110,13 @@ class Search:
     """A mechanism with its pieces and rules."""
 
     mechanism: Mechanism
-    pieces: Pieces
+    pieces: ConvexPieces
     rules: Rules
 
-    def placed(self, t: float, a: Ints, b: Ints) -> Placed:
+    def placed(self, t: float, a: Ints, b: Ints) -> PlacedPairs:
         """Pairs of pieces at one driving angle, in the frame of bar 0."""
         frames = self.mechanism.bar_frames(self.mechanism.pose(t))
-        return Placed.build(
+        return PlacedPairs.build(
             self.pieces, a, b, frames[self.pieces.bar[a]], frames[self.pieces.bar[b]]
         )
 
@@ -289,14 +289,16 @@ class Search:
             seen.append((rest_tasks, found.gap, needed[rest]))
         return sure, short
 
-    def _states(self, tasks: Tasks, pull: Floats) -> tuple[Placed, Moving]:
+    def _states(self, tasks: Tasks, pull: Floats) -> tuple[PlacedPairs, PairMotions]:
         """Frames, speeds and bounds of the pairs of tasks."""
         ts, at = np.unique(tasks.t, return_inverse=True)
         frames, rates = self.mechanism.moving_frames(ts)
         spins = angular_velocity(frames, rates)
         bar_a, bar_b = self.pieces.bar[tasks.a], self.pieces.bar[tasks.b]
-        pairs = Placed.build(self.pieces, tasks.a, tasks.b, frames[at, bar_a], frames[at, bar_b])
-        moving = Moving(
+        pairs = PlacedPairs.build(
+            self.pieces, tasks.a, tasks.b, frames[at, bar_a], frames[at, bar_b]
+        )
+        moving = PairMotions(
             spins[at, bar_a],
             spins[at, bar_b],
             rates[at, bar_a, :3, 3],

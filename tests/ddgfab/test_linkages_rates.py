@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism
+from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism, models
 from ddgfab.linkages.crab_rates import power
 from ddgfab.linkages.frames import angular_velocity
 from ddgfab.linkages.models import ORDER, Model, closing, product
@@ -105,6 +105,52 @@ def test_closing_angle_is_enclosed() -> None:
         left = np.abs(psi - (model.terms * powers).sum(axis=0))
         assert (left <= model.rest + 1e-14).all()
         assert (model.rest < 1e-5).all()
+
+
+@pytest.mark.parametrize("disc", [2.0, 3.0, 6.0])
+def test_derivatives_of_the_rest_are_bounded(disc: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Blaschke products, the steepest functions that a disc allows, against Cauchy's estimates.
+
+    On |s| <= R the function rest * b(s / R)^k, b(z) = (z - c) / (1 - c z), has modulus rest at
+    most, and nowhere does a function so bounded have greater derivatives at c R than b itself
+    (Schwarz and Pick), nor much greater second ones than b^2. At the end of the real interval the
+    second derivative of b^2 is more than rest / (R - half)^2 where the disc is wide, so that the
+    factor 2 of the estimate is needed; a disc of twice the interval alone would not show it.
+    """
+    monkeypatch.setattr(models, "DISC", disc)
+    half, rest = 0.3, 0.7
+    radius = disc * half
+    model = Model(np.zeros((ORDER, 1)), np.array([rest]))
+    first, second = (float(bound[0]) for bound in model.speeds(np.array([half])))
+    step = 1e-4 * half
+    steepest = np.zeros(2)
+    for center in np.linspace(-half, half, 41) / radius:
+        for power_of in (1, 2):
+
+            def value(s: np.ndarray, c: float = center, k: int = power_of) -> np.ndarray:
+                return np.asarray(rest * ((s / radius - c) / (1 - c * s / radius)) ** k)
+
+            around = radius * np.exp(1j * np.linspace(0, 2 * np.pi, 200))
+            assert np.abs(value(around)).max() <= rest * (1 + 1e-12)
+            s = np.linspace(-half, half, 81)
+            low, here, high = value(s - step), value(s), value(s + step)
+            found = np.abs([(high - low) / (2 * step), (high - 2 * here + low) / step**2])
+            steepest = np.maximum(steepest, found.max(axis=1))
+    assert steepest[0] <= first * (1 + 1e-6)
+    assert steepest[1] <= second * (1 + 1e-6)
+    assert first < 2 * steepest[0]
+    assert second < 2.3 * steepest[1]
+
+
+def test_polynomials_have_their_own_derivatives() -> None:
+    """Without a rest, and all coefficients positive, the bounds are reached at the end."""
+    rng = np.random.default_rng(5)
+    terms, half = rng.uniform(0.1, 1.0, (ORDER, 3)), np.array([0.1, 0.5, 1.2])
+    first, second = Model(terms, np.zeros(3)).speeds(half)
+    for k in range(3):
+        polynomial = np.polynomial.Polynomial([0.0, *terms[:, k]])
+        assert first[k] == pytest.approx(polynomial.deriv()(half[k]))
+        assert second[k] == pytest.approx(polynomial.deriv(2)(half[k]))
 
 
 def test_series() -> None:

@@ -22,7 +22,7 @@ from fabrication.export.stl import read_stl
 from fabrication.export.threemf import read_threemf
 from fabrication.kits.job import make_kit
 from fabrication.linkage.kit import Kit, kit
-from fabrication.linkage.poses import check_poses, limit_on_pin
+from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.pipeline import JobResult
 from fabrication.specs import Link, LinkShape, TriangleMesh
@@ -323,13 +323,6 @@ def test_a_kit_that_fails_a_check_says_so(bennett: Kit, tmp_path: Path) -> None:
     assert any("clearance to links: " in line for line in result.problems), result.problems
     assert result.manifest["checks"]["failed"] > 0
     assert "FAILED clearance to links" in (tmp_path / "claimed" / "report.html").read_text("utf-8")
-
-
-def test_limits_on_a_pin_are_those_of_the_settings(bennett: Kit) -> None:
-    settings = bennett.linkage.settings
-    assert limit_on_pin(settings, ("L-0000", "H-0000")) == settings.clearance == 0.2
-    assert limit_on_pin(settings, ("C-0000-1", "H-0000")) == 0
-    assert limit_on_pin(settings, ("L-0000", "L-0002")) == 0.1
 
 
 @pytest.mark.slow

@@ -8,8 +8,8 @@ import pytest
 from ddgfab.errors import DetailError, InputError
 from ddgfab.linkages import Mechanism, bennett, cube, knet_mechanism
 from ddgfab.nets.knet import knet
-from fabrication.motion.capsules import Body, Piece, Pieces, capsule, cylinder, hull
-from fabrication.motion.contacts import Moving, Placed, gaps, margin, segment_gaps
+from fabrication.motion.contacts import PairMotions, PlacedPairs, gaps, margin, segment_gaps
+from fabrication.motion.convex import Body, ConvexPiece, ConvexPieces, capsule, cylinder, hull
 from fabrication.motion.free_range import free_motion, maximize_range, standing
 from fabrication.motion.pairs import Rules, near_pairs
 from fabrication.motion.proof import RESOLUTION, Search
@@ -63,8 +63,8 @@ def a_net(m: int, n: int) -> tuple[Mechanism, list[Body]]:
 # --- distances -------------------------------------------------------------------------------
 
 
-def random_pieces(rng: np.random.Generator, count: int) -> list[Piece]:
-    out: list[Piece] = []
+def random_pieces(rng: np.random.Generator, count: int) -> list[ConvexPiece]:
+    out: list[ConvexPiece] = []
     for k in range(count):
         a, b = rng.uniform(-5, 5, (2, 3))
         match k % 3:
@@ -77,17 +77,21 @@ def random_pieces(rng: np.random.Generator, count: int) -> list[Piece]:
     return out
 
 
-def placed(pieces: list[Piece], seed: int = 0) -> tuple[Pieces, Placed, np.ndarray]:
+def placed(
+    pieces: list[ConvexPiece], seed: int = 0
+) -> tuple[ConvexPieces, PlacedPairs, np.ndarray]:
     """All pairs of pieces in random frames."""
     loop, _ = reference()
-    made = Pieces.build(loop, [Body(f"P{k}", (piece,), bar=0) for k, piece in enumerate(pieces)])
+    made = ConvexPieces.build(
+        loop, [Body(f"P{k}", (piece,), bar=0) for k, piece in enumerate(pieces)]
+    )
     rng = np.random.default_rng(seed)
     frames = np.tile(np.eye(4), (len(pieces), 1, 1))
     frames[:, :3, :3] = np.linalg.qr(rng.normal(size=(len(pieces), 3, 3)))[0]
     frames[:, :3, :3] *= np.linalg.det(frames[:, :3, :3])[:, None, None]
     frames[:, :3, 3] = rng.uniform(-10, 10, (len(pieces), 3))
     a, b = np.triu_indices(len(pieces), 1)
-    return made, Placed.build(made, a, b, frames[a], frames[b]), frames
+    return made, PlacedPairs.build(made, a, b, frames[a], frames[b]), frames
 
 
 def test_gaps_are_enclosed() -> None:
@@ -134,9 +138,9 @@ def test_discs_face_to_face() -> None:
             cylinder(at + 6.4 * axis, at + 12.4 * axis, 5.0),
         ]
         loop, _ = reference()
-        made = Pieces.build(loop, [Body(str(k), (p,), bar=0) for k, p in enumerate(pieces)])
+        made = ConvexPieces.build(loop, [Body(str(k), (p,), bar=0) for k, p in enumerate(pieces)])
         still = np.eye(4)[None]
-        pair = Placed.build(made, np.array([0]), np.array([1]), still, still)
+        pair = PlacedPairs.build(made, np.array([0]), np.array([1]), still, still)
         found = gaps(made, pair)
         assert found.gap[0] == pytest.approx(0.4, abs=1e-4)
         assert found.bound[0] == pytest.approx(0.4, abs=1e-3)
@@ -144,14 +148,14 @@ def test_discs_face_to_face() -> None:
 
 def test_near_pairs_miss_none() -> None:
     mechanism, bodies = a_net(3, 3)
-    pieces = Pieces.build(mechanism, bodies)
+    pieces = ConvexPieces.build(mechanism, bodies)
     frames = mechanism.bar_frames(mechanism.pose(mechanism.design))
     extra = np.random.default_rng(0).uniform(0, 3, len(pieces))
     a, b = near_pairs(pieces, frames, extra)
     got = set(zip(a.tolist(), b.tolist(), strict=True))
     every = np.array(np.triu_indices(len(pieces), 1))
     every = every[:, pieces.body[every[0]] != pieces.body[every[1]]]
-    pairs = Placed.build(
+    pairs = PlacedPairs.build(
         pieces, every[0], every[1], frames[pieces.bar[every[0]]], frames[pieces.bar[every[1]]]
     )
     outer, _ = segment_gaps(pieces, pairs)
@@ -166,7 +170,7 @@ def test_near_pairs_miss_none() -> None:
 def test_margins_hold_over_intervals() -> None:
     """Never above the least distance found by dense samples; above it by little when short."""
     mechanism, bodies = the_cube()
-    pieces = Pieces.build(mechanism, bodies)
+    pieces = ConvexPieces.build(mechanism, bodies)
     rules = Rules.build(mechanism, bodies, CLEARANCE, 0.1)
     search = Search(mechanism, pieces, rules)
     a, b = np.triu_indices(len(pieces), 1)
@@ -187,7 +191,7 @@ def test_margins_hold_over_intervals() -> None:
 
 def states(
     search: Search, t: float, half: float, a: np.ndarray, b: np.ndarray, pull: np.ndarray
-) -> tuple[Placed, Moving]:
+) -> tuple[PlacedPairs, PairMotions]:
     from fabrication.motion.proof import Tasks
 
     count = len(a)
@@ -197,7 +201,7 @@ def states(
 
 def clear(mechanism: Mechanism, bodies: list[Body], t: float, slack: float = 0.0) -> bool:
     """Whether all moving pairs keep their limits in one pose: every pair, no proof."""
-    pieces = Pieces.build(mechanism, bodies)
+    pieces = ConvexPieces.build(mechanism, bodies)
     rules = Rules.build(mechanism, bodies, CLEARANCE, 0.1)
     a, b = np.triu_indices(len(pieces), 1)
     keep = (pieces.body[a] != pieces.body[b]) & ~rules.rigid(pieces, a, b)
@@ -331,6 +335,6 @@ def test_bad_bodies() -> None:
         (Body("x", (), bar=0), "without pieces"),
     ):
         with pytest.raises(InputError, match=words):
-            Pieces.build(loop, [body])
+            ConvexPieces.build(loop, [body])
     with pytest.raises(InputError, match="no length"):
         cylinder([0, 0, 0], [0, 0, 0], 1.0)

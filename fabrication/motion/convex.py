@@ -20,7 +20,7 @@ from ddgfab.mesh import Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class ConvexPiece:
     """A convex body: hull of `points`, plus a disc across `axis`, plus a ball. Millimetres.
 
     points : (k, 3)
@@ -49,33 +49,33 @@ class Body:
     """
 
     mark: str
-    pieces: tuple[Piece, ...]
+    pieces: tuple[ConvexPiece, ...]
     bar: int = -1
     hinge: int = -1
 
 
-def cylinder(start: ArrayLike, end: ArrayLike, radius: float, *, eye: int = -1) -> Piece:
+def cylinder(start: ArrayLike, end: ArrayLike, radius: float, *, eye: int = -1) -> ConvexPiece:
     """A flat-ended cylinder between two points."""
     points = np.array([start, end], dtype=np.float64)
     axis = points[1] - points[0]
     length = float(np.linalg.norm(axis))
     if not length > 0:
         raise InputError(f"a cylinder from {points[0]} to {points[1]} has no length")
-    return Piece(points, disc=float(radius), axis=axis / length, eye=eye)
+    return ConvexPiece(points, disc=float(radius), axis=axis / length, eye=eye)
 
 
-def capsule(start: ArrayLike, end: ArrayLike, radius: float) -> Piece:
+def capsule(start: ArrayLike, end: ArrayLike, radius: float) -> ConvexPiece:
     """A round-ended cylinder between two points."""
-    return Piece(np.array([start, end], dtype=np.float64), ball=float(radius))
+    return ConvexPiece(np.array([start, end], dtype=np.float64), ball=float(radius))
 
 
-def hull(points: ArrayLike) -> Piece:
+def hull(points: ArrayLike) -> ConvexPiece:
     """The convex hull of (k, 3) points."""
-    return Piece(np.array(points, dtype=np.float64))
+    return ConvexPiece(np.array(points, dtype=np.float64))
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class ConvexPieces:
     """All pieces of all bodies in frames of bars, padded into arrays.
 
     points : (n, k, 3) in the frame of `bar`; shorter lists repeat their first one
@@ -99,7 +99,7 @@ class Pieces:
     reach: Floats
 
     @staticmethod
-    def build(mechanism: Mechanism, bodies: Sequence[Body]) -> Pieces:
+    def build(mechanism: Mechanism, bodies: Sequence[Body]) -> ConvexPieces:
         """From bodies in frames of bars and hinges.
 
         Raises
@@ -127,7 +127,7 @@ class Pieces:
         far = np.zeros((len(rows), 2, 3))
         far[:, 1, 0] = mechanism.lengths[carrier]
         away = np.linalg.norm(points[:, :, None] - far[:, None], axis=-1).max(axis=1)
-        return Pieces(
+        return ConvexPieces(
             points,
             disc,
             axis,
