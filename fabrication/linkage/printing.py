@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.export.step import COLOURS
-from fabrication.export.threemf import Body3MF, Item3MF, threemf_bytes
+from fabrication.formats.step import COLOURS
+from fabrication.formats.threemf import Body3MF, Item3MF, threemf_bytes
 from fabrication.linkage.plates import Bed, Plate, Printed, plates
 from fabrication.linkage.schedules import is_printed
 from fabrication.linkspecs import RingShape

@@ -13,7 +13,7 @@ import numpy as np
 from ddgfab.errors import OutputError
 from ddgfab.linkages import Pose
 from ddgfab.mesh import Floats
-from fabrication.export.step import COLOURS, GROUPS
+from fabrication.formats.step import COLOURS, GROUPS
 from fabrication.linkage.animation import write_animation
 from fabrication.linkage.kit import Kit
 from fabrication.linkage.page import Group, Moving, MovingScene, Page, Touch

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats, Ints
-from fabrication.export.step import FAILED
+from fabrication.formats.step import FAILED
 from fabrication.specs import Family, Placement, Role, TriangleMesh
 
 RISE_DEG: Final = 35.0

@@ -11,7 +11,7 @@ import pytest
 from solids_table import FLAT, FREE, HOLES, RHS, T_BAR, beam
 
 from ddgfab.errors import DetailError
-from fabrication.export.step import Header, Material
+from fabrication.formats.step import Header, Material
 from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
 from fabrication.shapes import beam_variants, fibre_ends, is_skew, shape_key
 from fabrication.solids import boundary_of, properties_of, second_volume_of, volume_of

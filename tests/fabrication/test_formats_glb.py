@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fabrication.export.glb import glb_bytes, write_glb
+from fabrication.formats.glb import glb_bytes, write_glb
 from fabrication.specs import Family, Instance, PanelShape, TriangleMesh
 
 VALIDATOR = os.environ.get("GLTF_VALIDATOR", "")  # .../node_modules/gltf-validator

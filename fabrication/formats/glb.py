@@ -12,9 +12,9 @@ import numpy as np
 
 from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
-from fabrication.export.step import COLOURS, FAILED, GROUPS
-from fabrication.export.version import originating_system
+from fabrication.formats.step import COLOURS, FAILED, GROUPS
 from fabrication.specs import Family, Placement, TriangleMesh
+from fabrication.version import originating_system
 
 GLASS_ALPHA: Final = 0.35
 """Opacity of panels."""
