@@ -218,6 +218,54 @@ def test_blind_holes_do_not_meet() -> None:
         assert tip >= 13.5 / 2 + 3 - 1e-9
 
 
+STAR = (0.0, 40.0, 115.0, 165.0, 245.0, 290.0)
+"""Azimuths [deg] of beams around a node: narrow and wide gaps take turns."""
+
+
+def star(azimuths: tuple[float, ...], *, mirrored: bool) -> Case:
+    """Triangles round an apex; rim vertex k + 1 at azimuth k, or all reflected in y = 0."""
+    angles = np.radians(azimuths)
+    side = -1.0 if mirrored else 1.0
+    ring = 1500.0 * np.stack([np.cos(angles), side * np.sin(angles), 0 * angles], axis=-1)
+    count = len(azimuths)
+    faces = [[0, 1 + k, 1 + (k + 1) % count] for k in range(count)]
+    turned = [face[::-1] for face in faces] if mirrored else faces
+    return vertical(Mesh.build(np.vstack([np.zeros((1, 3)), ring]), turned))
+
+
+def depths_of(case: Case) -> tuple[dict[int, float], float]:
+    """Depth [mm] of the apex's bolt hole towards each rim vertex, and its seats' distance."""
+    shell = case.detail(
+        beam={"profile": "RHS 50x25x3"},
+        node={"bolt": "M12"},
+        panel=NO_GLASS,
+    )
+    node = shell.nodes[0]
+    found = {}
+    for arm, hole in zip(node.arms, node.shape.holes, strict=True):
+        assert hole.depth is not None
+        found[int(case.mesh.edges[arm.edge].max())] = hole.depth
+    return found, node.shape.seats[0].distance
+
+
+def test_blind_holes_heed_both_neighbours() -> None:
+    """Two rays of width d at the angle phi leave each other at (d / 2) / tan(phi / 2)."""
+    found, seat = depths_of(star(STAR, mirrored=False))
+    for k, azimuth in enumerate(STAR):
+        gaps = [min((azimuth - o) % 360, (o - azimuth) % 360) for o in STAR if o != azimuth]
+        rays = 13.5 / 2 / math.tan(math.radians(min(gaps)) / 2)
+        assert found[k + 1] == pytest.approx(min(18.0, seat - rays - 3.0))
+    assert len({round(depth, 6) for depth in found.values()}) > 2
+
+
+def test_a_reflected_node_has_the_same_holes() -> None:
+    """A rule that looks to one side only makes another node of the mirror image."""
+    mirrored, seat = depths_of(star(STAR, mirrored=True))
+    found, same = depths_of(star(STAR, mirrored=False))
+    assert mirrored == pytest.approx(found)
+    assert seat == pytest.approx(same)
+
+
 @pytest.mark.parametrize(
     ("sections", "words"),
     [
