@@ -255,7 +255,7 @@ def test_blind_holes_heed_both_neighbours() -> None:
         gaps = [min((azimuth - o) % 360, (o - azimuth) % 360) for o in STAR if o != azimuth]
         rays = 13.5 / 2 / math.tan(math.radians(min(gaps)) / 2)
         assert found[k + 1] == pytest.approx(min(18.0, seat - rays - 3.0))
-    assert len({round(depth, 6) for depth in found.values()}) > 2
+    assert len({round(depth, 6) for depth in found.values()}) > 1
 
 
 def test_a_reflected_node_has_the_same_holes() -> None:
