@@ -11,7 +11,10 @@ from typing import Any
 
 import build123d as b3
 
-from fabrication.specs import BeamShape, EndCut, Loop, NodeShape, PanelShape, Shape
+from fabrication.parts.beam import BeamShape, EndCut
+from fabrication.parts.node import NodeShape
+from fabrication.parts.panel import PanelShape
+from fabrication.specs import Loop, Shape
 
 
 def outline(loop: Loop, plane: b3.Plane) -> Any:

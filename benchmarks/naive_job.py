@@ -21,7 +21,7 @@ import build123d as b3
 import naive
 
 from fabrication import design
-from fabrication.formats.step import location
+from fabrication.export.step import location
 
 
 def main() -> None:

@@ -18,18 +18,11 @@ from collections.abc import Callable
 import naive
 import numpy as np
 
+from fabrication.parts.beam import BeamShape, CrossHole, EndCut
+from fabrication.parts.node import NodeShape, Seat
+from fabrication.parts.panel import PanelShape
 from fabrication.solids import is_valid, kernel_properties, load_kernel, solid_of
-from fabrication.specs import (
-    BeamShape,
-    CrossHole,
-    EndCut,
-    Loop,
-    NodeShape,
-    PanelShape,
-    Profile,
-    Seat,
-    Shape,
-)
+from fabrication.specs import Loop, Profile, Shape
 
 ROUNDS = 3
 WIDTH, DEPTH, COPE, HOLE = 8.0, 60.0, 45.0, 13.0

@@ -9,29 +9,16 @@ surface, and nodes and beams carry theirs. Pieces beyond a limit share no number
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints
-from fabrication.linkshapes import fitting_variants, link_variants
-from fabrication.shapes import beam_variants, node_variants, panel_variants, shape_key
-from fabrication.specs import Family, Instance, Piece, Role
-from fabrication.variants import Variants
-
-PREFIX: Final[dict[Role, str]] = {
-    "beam": "BP",
-    "node": "NP",
-    "panel": "PP",
-    "link": "LP",
-    "pin": "HP",
-    "cap": "CP",
-    "spacer": "SP",
-    "coupon": "TP",
-}
+from fabrication.specs import Family, Instance, Kind, Piece, Shape
 
 TIE: Final = 1e-6
 """Variants whose deviations differ by less [mm] count as equal, and the first is taken."""
@@ -45,20 +32,9 @@ LEAST_RADIUS: Final = 1e-9
 SEARCH: Final = 3.0
 """Pieces without another within this many tolerances are alone; covers changes of alignment."""
 
-VARIANTS: Final[dict[Role, Callable[[Sequence[Piece]], Variants]]] = {
-    "beam": beam_variants,
-    "node": node_variants,
-    "panel": panel_variants,
-    "link": link_variants,
-    "pin": fitting_variants,
-    "cap": fitting_variants,
-    "spacer": fitting_variants,
-    "coupon": fitting_variants,
-}
-
 
 def families(pieces: Sequence[Piece], tolerance: float = 0.1) -> tuple[Family, ...]:
-    """Part numbers of the pieces: role by role, each role in the order of its first members.
+    """Part numbers of the pieces: kind by kind, as they come, in the order of first members.
 
     Each piece joins the first family whose first member it matches; the first member's shape is
     the family's. An instance's placement is for that shape; it differs from the piece's own where
@@ -68,22 +44,29 @@ def families(pieces: Sequence[Piece], tolerance: float = 0.1) -> tuple[Family, .
     ----------
     tolerance : greatest distance [mm] of a characteristic point (corner, rim point, hole) of a
         member from where the family's shape puts it
+
+    Raises
+    ------
+    InputError
+        Two kinds have one prefix, so that their part numbers would be the same.
     """
-    groups: dict[Role, dict[Hashable, list[int]]] = {role: defaultdict(list) for role in PREFIX}
+    groups: dict[Kind, dict[tuple[Any, ...], list[int]]] = {}
     for index, piece in enumerate(pieces):
         good = all(check.passed for check in piece.checks)
-        groups[piece.role][good, shape_key(piece.shape)].append(index)
+        group = groups.setdefault(piece.kind, defaultdict(list))
+        group[good, type(piece.shape), piece.shape.key()].append(index)
+    _check_prefixes(list(groups))
     result: list[Family] = []
-    for role, by_key in groups.items():
+    for kind, by_key in groups.items():
         found: list[tuple[list[int], list[Instance], float]] = []
         for members in by_key.values():
-            found += _group([pieces[i] for i in members], members, VARIANTS[role], tolerance)
+            found += _group([pieces[i] for i in members], members, tolerance)
         found.sort(key=lambda entry: entry[0][0])
         for number, (indices, instances, deviation) in enumerate(found, 1):
             result.append(
                 Family(
-                    number=f"{PREFIX[role]}-{number:03d}",
-                    role=role,
+                    number=f"{kind.prefix}-{number:03d}",
+                    kind=kind,
                     shape=pieces[indices[0]].shape,
                     instances=tuple(instances),
                     deviation=deviation,
@@ -92,14 +75,23 @@ def families(pieces: Sequence[Piece], tolerance: float = 0.1) -> tuple[Family, .
     return tuple(result)
 
 
+def _check_prefixes(kinds: Sequence[Kind]) -> None:
+    first: dict[str, Kind] = {}
+    for kind in kinds:
+        other = first.setdefault(kind.prefix, kind)
+        if other is not kind:
+            raise InputError(
+                f'the kinds "{other.role}" and "{kind.role}" both have part numbers '
+                f"{kind.prefix}-001, ...: give one of them another prefix"
+            )
+
+
 def _group(
-    pieces: Sequence[Piece],
-    indices: Sequence[int],
-    make: Callable[[Sequence[Piece]], Variants],
-    tolerance: float,
+    pieces: Sequence[Piece], indices: Sequence[int], tolerance: float
 ) -> list[tuple[list[int], list[Instance], float]]:
     """Families among pieces of one key: their indices, instances and greatest deviations."""
-    variants = make(pieces)
+    shapes: list[Shape] = [piece.shape for piece in pieces]
+    variants = shapes[0].variants(shapes)
     found = cluster(variants.points, tolerance)
     members: dict[int, list[int]] = defaultdict(list)
     for k, leader in enumerate(found.leader.tolist()):

@@ -14,16 +14,16 @@ from typing import Any, Final
 from ddgfab.errors import OutputError
 from ddgfab.optimize.report import comparison
 from fabrication.checks.assembly import check_assembly
-from fabrication.formats.tables import write_xlsx
-from fabrication.gridshell.design import Design, Progress
-from fabrication.gridshell.schedules import mass_kg, schedules
-from fabrication.job.folder import OutputFolder, safe_name
-from fabrication.job.manifest import (
+from fabrication.export.folder import OutputFolder, safe_name
+from fabrication.export.manifest import (
     MANIFEST,
     build_manifest,
     file_records,
     write_manifest,
 )
+from fabrication.export.tables import write_xlsx
+from fabrication.gridshell.design import Design, Progress
+from fabrication.gridshell.schedules import mass_kg, schedules
 from fabrication.job.part import (
     PartJob,
     PartResult,
@@ -33,9 +33,9 @@ from fabrication.job.part import (
     make_parts,
     verify_parts,
 )
-from fabrication.job.pool import Workers, worker_pool
-from fabrication.job.problems import problems_of
 from fabrication.pictures.deviation import write_deviation
+from fabrication.pool import Workers, worker_pool
+from fabrication.problems import problems_of
 from fabrication.records import CHORD_MM, clearances, part_records, part_settings
 from fabrication.specs import Check, Family
 
@@ -194,7 +194,7 @@ class _Job:
     # --- parts -------------------------------------------------------------------------------
     def _make(self) -> list[PartResult]:
         """All part numbers, in the pool."""
-        jobs = [PartJob(f.number, f.role, f.shape) for f in self.design.families]
+        jobs = [PartJob(f.number, f.kind, f.shape) for f in self.design.families]
         for kind in ("step", "stl", "3mf"):
             if kind in self.formats:
                 (self.staging / "parts" / kind).mkdir(parents=True)
@@ -292,7 +292,7 @@ class _Job:
     def _write_schedules(self, parts: Sequence[PartResult]) -> None:
         """CSV and XLSX, with the masses of the parts as made."""
         density = {role: material.density for role, material in self.settings.materials.items()}
-        masses = {p.number: mass_kg(p.properties.volume, density[p.job.role]) for p in parts}
+        masses = {p.number: mass_kg(p.properties.volume, density[p.job.kind.role]) for p in parts}
         tables = schedules(self.design.gridshell, self.design.families, masses)
         folder = self.staging / "schedules"
         if "csv" in self.formats:
@@ -337,7 +337,7 @@ class _Job:
         """Write the manifest and gather the problems."""
         self.tell("manifest", 0, 0)
         design = self.design
-        roles = {piece.mark: piece.role for piece in design.gridshell.pieces}
+        roles = {piece.mark: piece.kind.role for piece in design.gridshell.pieces}
         problems = problems_of(
             roles, ((mark, check) for mark, list_ in checks.items() for check in list_)
         )

@@ -38,6 +38,12 @@ class Variants:
         motions[..., :3, 3] = -np.einsum("...ij,...j->...i", motions[..., :3, :3], shift)
         return cls(points, motions)
 
+    @classmethod
+    def equal(cls, count: int) -> Variants:
+        """The variants of so many shapes that are equal as they are: their key says it all."""
+        motions = np.broadcast_to(np.eye(4), (count, 1, 4, 4))
+        return cls(np.zeros((count, 1, 1, 1)), motions)
+
     def frame(self, piece: int, variant: int) -> Floats:
         """(4, 4) motion from the shape's frame to the canonical frame of a variant."""
         return np.asarray(self.motions[piece, variant])

@@ -73,7 +73,6 @@ from ddgfab.nets.isothermic import (
     isothermic_point,
     isothermic_residuals,
 )
-from ddgfab.nets.isothermic_layers import evolve_isothermic_nd
 from ddgfab.nets.knet import CauchyData, KNet, knet, oriented_angle
 from ddgfab.nets.knet_amsler import amsler
 from ddgfab.nets.knet_angles import (
@@ -184,7 +183,6 @@ __all__ = [
     "evolve_conjugate",
     "evolve_hirota",
     "evolve_isothermic",
-    "evolve_isothermic_nd",
     "evolve_moutard",
     "evolve_nd",
     "evolve_spherical",

@@ -113,7 +113,7 @@ def tangent_normals(points: ArrayLike, periodic: Sequence[bool] | None = None) -
     return np.asarray(np.where(side[..., None] < 0, -normals, normals))
 
 
-def lelieuvre(points: ArrayLike, scale: float = 1.0, *, tolerance: float = NET_INPUT) -> Floats:
+def lelieuvre(points: ArrayLike, scale: float = 1.0, *, limit: float = NET_INPUT) -> Floats:
     """(n1, ..., nd, 3) Lelieuvre field L of an A-net: Delta_k x = L_k x L.
 
     Parameters
@@ -121,7 +121,7 @@ def lelieuvre(points: ArrayLike, scale: float = 1.0, *, tolerance: float = NET_I
     points : (n1, ..., nd, 3) A-net, at least one quad
     scale : length of L at the first vertex, along `tangent_normals`; it multiplies L at even and
         divides it at odd vertices
-    tolerance : greatest `star_flatness` that counts as an A-net
+    limit : greatest `star_flatness` that counts as an A-net
 
     Raises
     ------
@@ -136,11 +136,11 @@ def lelieuvre(points: ArrayLike, scale: float = 1.0, *, tolerance: float = NET_I
     if not (np.isfinite(scale) and scale != 0):
         raise InputError(f"scale {scale}: a number other than zero is needed")
     flatness = star_flatness(x)
-    if not flatness.max() <= tolerance:
+    if not flatness.max() <= limit:
         at = tuple(int(i) for i in np.unravel_index(int(flatness.argmax()), flatness.shape))
         raise InputError(
             f"no A-net: the edges at vertex {at} leave their plane by {flatness[at]:.3g} "
-            f"(smallest singular value of the unit edges, limit {tolerance:g})"
+            f"(smallest singular value of the unit edges, limit {limit:g})"
         )
     nu = tangent_normals(x)
     d = x.ndim - 1
@@ -172,7 +172,7 @@ def lelieuvre(points: ArrayLike, scale: float = 1.0, *, tolerance: float = NET_I
 
 
 def anet_from_moutard(
-    field: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0), *, tolerance: float = NET_INPUT
+    field: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0), *, limit: float = NET_INPUT
 ) -> Floats:
     """(n1, ..., nd, 3) A-net with a Lelieuvre field: Delta_k x = L_k x L.
 
@@ -180,7 +180,7 @@ def anet_from_moutard(
     ----------
     field : (n1, ..., nd, 3) T-net (`evolve_moutard`, `evolve_tnet`, `evolve_spherical`)
     origin : (3,) first point
-    tolerance : greatest relative violation of the Moutard equation
+    limit : greatest relative violation of the Moutard equation
 
     Raises
     ------
@@ -198,10 +198,10 @@ def anet_from_moutard(
         if min(L.shape[axes[0]], L.shape[axes[1]]) < 2:
             continue
         gap = moutard_coefficients(L, axes)[1]
-        if gap.max() > tolerance:
+        if gap.max() > limit:
             at = tuple(int(i) for i in np.unravel_index(int(gap.argmax()), gap.shape))
             raise InputError(
                 f"no T-net: quad {at} of directions {axes} misses the Moutard equation by "
-                f"{gap[at]:.3g} (relative, limit {tolerance:g})"
+                f"{gap[at]:.3g} (relative, limit {limit:g})"
             )
     return integrate(L, 1.0, start)

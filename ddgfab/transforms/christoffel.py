@@ -18,11 +18,7 @@ from ddgfab.nets.isothermic import net_labels
 from ddgfab.tolerances import NET_INPUT
 
 
-def christoffel_dual(
-    points: ArrayLike,
-    labels: Sequence[ArrayLike] | None = None,
-    tolerance: float = NET_INPUT,
-) -> Floats:
+def christoffel_dual(points: ArrayLike, labels: Sequence[ArrayLike] | None = None) -> Floats:
     """Dual net x* with Delta_k x* = alpha_k Delta_k x / |Delta_k x|^2, of the same shape.
 
     Isothermic with the same cross-ratios; diagonals of a quad and its dual are antiparallel; the
@@ -33,8 +29,6 @@ def christoffel_dual(
     ----------
     points : (n1, ..., nd, 2 or 3)
     labels : d arrays (n_k - 1,) or numbers; by default the net's own (`cross_ratio_labels`)
-    tolerance : relative, on cross-ratios against quotients of labels and on the closing of the
-        dual's quads; nets from files with few digits need more than the default
 
     Raises
     ------
@@ -46,7 +40,7 @@ def christoffel_dual(
     Source: mathematics.md 6.2, equation (18).
     """
     x = net_points(points)
-    alpha = net_labels(x, labels, tolerance)
+    alpha = net_labels(x, labels)
     d = x.ndim - 1
     edges = []
     for axis in range(d):
@@ -55,10 +49,10 @@ def christoffel_dual(
         Place(name=f"edge of direction {axis} at").refuse(square == 0, "it has no length")
         label = np.expand_dims(alpha[axis], [k for k in range(d) if k != axis])
         edges.append((label / square)[..., None] * step)
-    return integrate(edges, tolerance)
+    return integrate(edges)
 
 
-def integrate(edges: Sequence[Floats], tolerance: float = NET_INPUT) -> Floats:
+def integrate(edges: Sequence[Floats], limit: float = NET_INPUT) -> Floats:
     """Net from its edges, one array a direction (shorter by one in it), from the origin.
 
     Raises
@@ -66,7 +60,7 @@ def integrate(edges: Sequence[Floats], tolerance: float = NET_INPUT) -> Floats:
     InputError
         Shapes that belong to no net, entries that are not finite.
     DegenerateError
-        A quad whose four edges do not close within `tolerance` of its longest; names it.
+        A quad whose four edges do not close within `limit` of its longest; names it.
     """
     d = len(edges)
     if d < 2 or edges[0].ndim != d + 1:
@@ -84,12 +78,12 @@ def integrate(edges: Sequence[Floats], tolerance: float = NET_INPUT) -> Floats:
         low = along[0].take(range(shape[j] - 1), axis=j), along[1].take(range(shape[i] - 1), axis=i)
         high = along[0].take(range(1, shape[j]), axis=j), along[1].take(range(1, shape[i]), axis=i)
         longest = np.maximum.reduce([*low, *high])
-        bad = ~(gap <= tolerance * longest)
+        bad = ~(gap <= limit * longest)
         if bad.any():
             cell = tuple(int(k) for k in np.argwhere(bad)[0])
             raise DegenerateError(
                 f"quad of directions ({i}, {j}) at {cell}: its edges do not close; gap "
-                f"{gap[cell] / longest[cell]:.2g} of the longest (limit {tolerance:g})",
+                f"{gap[cell] / longest[cell]:.2g} of the longest (limit {limit:g})",
                 cell=cell,
             )
     return summed(lambda k: edges[k][layer(d, k, slice(None))], net_shape, 0.0)

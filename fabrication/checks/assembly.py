@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, TypeAlias, get_args
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
@@ -23,8 +23,6 @@ Clearances: TypeAlias = Mapping[tuple[Role, Role], float]
 
 TOUCH: Final = 0.01
 """How much [mm] a gap may fall short of its limit, for rounding and for faces that touch."""
-
-_ROLES: Final[tuple[Role, ...]] = get_args(Role)
 
 
 @dataclass(frozen=True)
@@ -108,9 +106,10 @@ def examine_assembly(
     owner = np.array([i for i, _ in pieces])
     placements = np.array([instance.placement for _, instance in pieces], dtype=np.float64)
     supports = Supports.build([meshes[family.number] for family in families])
-    limits = _limits(clearances)
+    roles = list(dict.fromkeys(family.role for family in families))
+    limits = _limits(clearances, roles)
     pairs = near_pairs(supports, owner, placements, float(limits.max()) + tolerance)
-    role = np.array([_ROLES.index(family.role) for family in families])[owner]
+    role = np.array([roles.index(family.role) for family in families])[owner]
     needed = limits[role[pairs[:, 0]], role[pairs[:, 1]]]
     gaps = separations(supports, owner, placements, pairs, needed)
     rest = np.flatnonzero(gaps < needed - tolerance)
@@ -129,10 +128,10 @@ def examine_assembly(
     return AssemblyReport(len(pairs), len(rest), clashes, _least(marks, pairs, gaps, needed))
 
 
-def _limits(clearances: Clearances) -> Floats:
-    """(r, r) least gap [mm] between two roles, numbered as in `_ROLES`."""
+def _limits(clearances: Clearances, roles: Sequence[Role]) -> Floats:
+    """(r, r) least gap [mm] between each two of some roles."""
     return np.array(
-        [[clearances.get((a, b), clearances.get((b, a), 0.0)) for b in _ROLES] for a in _ROLES]
+        [[clearances.get((a, b), clearances.get((b, a), 0.0)) for b in roles] for a in roles]
     )
 
 

@@ -2,30 +2,34 @@
 
 Shop dimensions come from the family's shape, topology from the piece. Where an instance was turned
 to share its number (a beam end for end, a panel or node about its normal or axis), ends, sides and
-arms are listed as the shared shape has them, so that the schedule matches the part in hand.
+arms are listed as the shared shape has them, so that the schedule matches the part as made.
+
+A row names the columns of the usual shapes in their order, without values; the shape's own
+`dimensions` fill them, and whatever else it lists follows at the end.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Final, TypeAlias, cast
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
 from ddgfab.mesh import Floats
 from fabrication.families import families as make_families
 from fabrication.gridshell.detailing import Gridshell
-from fabrication.gridshell.detailing.outline import area, least_rectangle, side_vectors, turns
+from fabrication.gridshell.pieces import Beam, Node, Panel
 from fabrication.gridshell.project import Project
-from fabrication.shapes import fibre_ends
-from fabrication.specs import Beam, BeamShape, Family, Instance, Node, NodeShape, Panel, PanelShape
+from fabrication.parts.beam import BEAM
+from fabrication.parts.node import NODE
+from fabrication.parts.panel import PANEL, PanelShape
+from fabrication.specs import Family, Instance, Kind
 from fabrication.table import Table
 
 Row: TypeAlias = dict[str, Any]
 Masses: TypeAlias = Mapping[str, float]
 
 KG_PER_MM3: Final = 1e-9  # times a density in kg/m3
-M2_PER_MM2: Final = 1e-6
 
 FULL_TURN: Final = 1e-9
 """An azimuth this near [rad] below a full turn is 0."""
@@ -63,9 +67,9 @@ def family_masses(families: Sequence[Family], project: Project) -> dict[str, flo
     from fabrication.solids import volume_of
 
     density = {
-        "beam": project.beam.density,
-        "node": project.node.density,
-        "panel": project.panel.density,
+        BEAM.role: project.beam.density,
+        NODE.role: project.node.density,
+        PANEL.role: project.panel.density,
     }
     return {
         family.number: mass_kg(volume_of(family.shape), density[family.role]) for family in families
@@ -82,33 +86,30 @@ def panel_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses)
     pieces = {panel.mark: panel for panel in gridshell.panels}
     widest = max((len(panel.sides) for panel in gridshell.panels), default=0)
     rows = {}
-    for family, instance in _instances(families, "panel"):
-        panel, shape = pieces[instance.mark], cast(PanelShape, family.shape)
-        small, large = least_rectangle(np.concatenate([shape.inner, shape.outer])).tolist()
-        lengths = np.linalg.norm(side_vectors(shape.outer), axis=1).tolist()
-        angles = np.degrees(np.pi - turns(shape.outer)).tolist()
+    for family, instance in _instances(families, PANEL):
+        panel = pieces[instance.mark]
         row: Row = {
             "mark": panel.mark,
             "number": family.number,
             "face": panel.face,
             "sides": len(panel.sides),
-            "area_m2": float(area(shape.outer, shape.corner_radius)) * M2_PER_MM2,
+            "area_m2": None,
             "mass_kg": masses[family.number],
-            "thickness_mm": shape.thickness,
-            "width_mm": small,
-            "height_mm": large,
+            "thickness_mm": None,
+            "width_mm": None,
+            "height_mm": None,
             "planarity_mm": panel.planarity_mm,
             "planarity_class": panel.planarity_class,
         }
-        first = _first_side(panel, instance, shape)
+        first = _first_side(panel, instance, pieces[family.instances[0].mark].shape)
         for k in range(widest):
             present = k < len(panel.sides)
             side = panel.sides[(first + k) % len(panel.sides)] if present else None
-            row[f"edge_{k + 1}_mm"] = lengths[k] if side else None
-            row[f"angle_{k + 1}_deg"] = angles[k] if side else None
+            row[f"edge_{k + 1}_mm"] = None
+            row[f"angle_{k + 1}_deg"] = None
             row[f"dihedral_{k + 1}_deg"] = float(np.degrees(side.dihedral)) if side else None
             row[f"neighbour_{k + 1}"] = side.neighbour if side else None
-        rows[panel.mark] = row
+        rows[panel.mark] = {**row, **family.shape.dimensions()}
     return [rows[panel.mark] for panel in gridshell.panels]
 
 
@@ -125,39 +126,39 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
     twisted = any(any(beam.roll) for beam in gridshell.beams)
     pieces = {beam.mark: beam for beam in gridshell.beams}
     rows = {}
-    for family, instance in _instances(families, "beam"):
-        beam, shape = pieces[instance.mark], cast(BeamShape, family.shape)
-        start, end = fibre_ends(shape)
+    for family, instance in _instances(families, BEAM):
+        beam = pieces[instance.mark]
         nodes, panels, roll = beam.nodes, beam.panels, np.degrees(beam.roll).tolist()
         if _relative(beam, instance)[0, 0] < 0:  # turned end for end
             nodes, panels, roll = nodes[::-1], panels[::-1], [-roll[1], -roll[0]]
         torsion = (
             {
-                "skew_start_deg": float(np.degrees(-np.arctan(shape.start.skew))),
-                "skew_end_deg": float(np.degrees(np.arctan(shape.end.skew))),
+                "skew_start_deg": 0.0,
+                "skew_end_deg": 0.0,
                 "roll_start_deg": roll[0],
                 "roll_end_deg": roll[1],
             }
             if twisted
             else {}
         )
-        rows[beam.mark] = {
+        row: Row = {
             "mark": beam.mark,
             "number": family.number,
             "edge": beam.edge,
             "node_start": nodes[0],
             "node_end": nodes[1],
-            "profile": shape.profile.name,
+            "profile": None,
             "length_axis_mm": beam.length_axis,
-            "length_cut_mm": float(end.max() - start.min()),
-            "mitre_start_deg": float(np.degrees(-np.arctan(shape.start.slope))),
-            "mitre_end_deg": float(np.degrees(np.arctan(shape.end.slope))),
+            "length_cut_mm": None,
+            "mitre_start_deg": None,
+            "mitre_end_deg": None,
             "torsion_deg": float(np.degrees(beam.torsion)),
             **torsion,
             "mass_kg": masses[family.number],
             "panel_left": panels[0],
             "panel_right": panels[1],
         }
+        rows[beam.mark] = {**row, **family.shape.dimensions()}
     return [rows[beam.mark] for beam in gridshell.beams]
 
 
@@ -166,8 +167,8 @@ def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
     pieces = {node.mark: node for node in gridshell.nodes}
     most = max((len(node.arms) for node in gridshell.nodes), default=0)
     rows = {}
-    for family, instance in _instances(families, "node"):
-        node, shape = pieces[instance.mark], cast(NodeShape, family.shape)
+    for family, instance in _instances(families, NODE):
+        node = pieces[instance.mark]
         x, y, z = node.position.tolist()
         axis = node.axis.tolist()
         row: Row = {
@@ -181,8 +182,8 @@ def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             "axis_x": axis[0],
             "axis_y": axis[1],
             "axis_z": axis[2],
-            "diameter_mm": 2 * shape.radius,
-            "height_mm": shape.z1 - shape.z0,
+            "diameter_mm": None,
+            "height_mm": None,
             "mass_kg": masses[family.number],
         }
         arms = _arms_from_mark(node, instance)
@@ -191,13 +192,13 @@ def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             row[f"beam_{k + 1}"] = arm.beam if arm else None
             row[f"azimuth_{k + 1}_deg"] = None if azimuth is None else float(np.degrees(azimuth))
             row[f"elevation_{k + 1}_deg"] = float(np.degrees(arm.elevation)) if arm else None
-        rows[node.mark] = row
+        rows[node.mark] = {**row, **family.shape.dimensions()}
     return [rows[node.mark] for node in gridshell.nodes]
 
 
-def _instances(families: Sequence[Family], role: str) -> Iterator[tuple[Family, Instance]]:
+def _instances(families: Sequence[Family], kind: Kind) -> Iterator[tuple[Family, Instance]]:
     for family in families:
-        if family.role == role:
+        if family.kind == kind:
             for instance in family.instances:
                 yield family, instance
 

@@ -11,11 +11,12 @@ from typing import Final, TypeAlias
 
 from ddgfab.errors import DdgError, OutputError
 from fabrication.checks.crossing import crossings
+from fabrication.checks.file import check_step_part, check_stl_part, check_threemf
 from fabrication.checks.mesh import check_mesh
 from fabrication.checks.solid import check_solid
-from fabrication.formats.glb import write_glb
-from fabrication.formats.step import (
-    COLOURS,
+from fabrication.checks.whole import check_step_assembly
+from fabrication.export.glb import write_glb
+from fabrication.export.step import (
     Header,
     Material,
     Product,
@@ -23,13 +24,11 @@ from fabrication.formats.step import (
     assembly_bytes,
     part_bytes,
 )
-from fabrication.formats.step.read import check_step_part, check_stl_part, check_threemf
-from fabrication.formats.step.whole import check_step_assembly
-from fabrication.formats.stl import stl_bytes
-from fabrication.formats.threemf import Body3MF, threemf_bytes
+from fabrication.export.stl import stl_bytes
+from fabrication.export.threemf import Body3MF, threemf_bytes
 from fabrication.pictures.preview import write_preview
 from fabrication.solids import boundary_of, realise, second_volume_of, solid_of
-from fabrication.specs import Check, Family, Placement, Properties, Role, Shape, TriangleMesh
+from fabrication.specs import Check, Family, Kind, Placement, Properties, Role, Shape, TriangleMesh
 
 VOLUME_RELATIVE: Final = 1e-9
 """How far the closed forms of a volume may differ: from the boundary, and from the numbers."""
@@ -43,7 +42,7 @@ class PartJob:
     """A part number to be made."""
 
     number: str
-    role: Role
+    kind: Kind
     shape: Shape
 
 
@@ -119,10 +118,10 @@ def make_part(job: PartJob, settings: PartSettings) -> PartResult:
         path = files["step"] = settings.folder / "parts" / "step" / f"{job.number}.step"
         product = Product(
             job.number,
-            job.role,
+            job.kind,
             made.solid,
             made.properties,
-            settings.materials[job.role],
+            settings.materials[job.kind.role],
             made.boundary,
         )
         path.write_bytes(
@@ -133,7 +132,7 @@ def make_part(job: PartJob, settings: PartSettings) -> PartResult:
         path.write_bytes(stl_bytes(made.mesh, job.number))
     if settings.threemf:
         path = files["3mf"] = settings.folder / "parts" / "3mf" / f"{job.number}.3mf"
-        body = Body3MF(job.number, made.mesh, COLOURS[job.role])
+        body = Body3MF(job.number, made.mesh, job.kind.color)
         path.write_bytes(threemf_bytes([body], title=job.number))
     clock.lap("write")
     return PartResult(job, made.properties, made.mesh, tuple(checks), files, clock.seconds)
@@ -169,8 +168,8 @@ def assemble(
     for job, properties in parts:
         boundary = boundary_of(job.shape)
         solid = solid_of(job.shape) if boundary is None else None
-        material = settings.materials[job.role]
-        products.append(Product(job.number, job.role, solid, properties, material, boundary))
+        material = settings.materials[job.kind.role]
+        products.append(Product(job.number, job.kind, solid, properties, material, boundary))
     data = assembly_bytes(
         products,
         instances,

@@ -13,20 +13,20 @@ from typing import Any, Final
 
 import numpy as np
 
-from fabrication.formats.glb import write_glb
-from fabrication.formats.step import Header, Material
-from fabrication.formats.step.read import check_threemf
-from fabrication.formats.tables import write_xlsx
-from fabrication.gridshell.design import Progress
-from fabrication.gridshell.schedules import mass_kg
-from fabrication.job.folder import safe_name
-from fabrication.job.manifest import (
+from fabrication.checks.file import check_threemf
+from fabrication.export.folder import safe_name
+from fabrication.export.glb import write_glb
+from fabrication.export.manifest import (
     MANIFEST,
     build_manifest,
     file_records,
     part_record,
     write_manifest,
 )
+from fabrication.export.step import Header, Material
+from fabrication.export.tables import write_xlsx
+from fabrication.gridshell.design import Progress
+from fabrication.gridshell.schedules import mass_kg
 from fabrication.job.part import (
     PartJob,
     PartResult,
@@ -35,16 +35,18 @@ from fabrication.job.part import (
     make_parts,
     verify_parts,
 )
-from fabrication.job.pool import Workers
-from fabrication.job.problems import problems_of
 from fabrication.linkage.kit import Kit
 from fabrication.linkage.page import MovingScene, write_page
+from fabrication.linkage.pieces import ORDER
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM, write_plates
 from fabrication.linkage.scene import lying_broad, moving_scene, report_page, write_pictures
 from fabrication.linkage.schedules import kit_schedules
 from fabrication.motion.free_range import poses_to_confirm
+from fabrication.parts.pin import PIN
 from fabrication.pipeline import JobResult, staged
+from fabrication.pool import Workers
+from fabrication.problems import problems_of
 from fabrication.specs import Check, Role, TriangleMesh
 from fabrication.table import Table
 
@@ -125,7 +127,7 @@ class _KitJob:
         tables = kit_schedules(self.kit.linkage, self._masses(parts))
         with self._timed("schedules"):
             self._write_schedules(tables)
-        roles: dict[str, Role] = {piece.mark: piece.role for piece in self.kit.linkage.pieces}
+        roles: dict[str, Role] = {piece.mark: piece.kind.role for piece in self.kit.linkage.pieces}
         problems = problems_of(
             roles, ((mark, check) for mark, list_ in checks.items() for check in list_)
         )
@@ -155,7 +157,7 @@ class _KitJob:
 
     def _make(self) -> list[PartResult]:
         """All part numbers, in the pool."""
-        jobs = [PartJob(f.number, f.role, f.shape) for f in self.kit.families]
+        jobs = [PartJob(f.number, f.kind, f.shape) for f in self.kit.families]
         for kind, name in FOLDERS.items():
             if kind in self.formats:
                 (self.staging / "parts" / name).mkdir(parents=True)
@@ -229,7 +231,9 @@ class _KitJob:
         return checks
 
     def _masses(self, parts: Sequence[PartResult]) -> dict[str, float]:
-        return {p.number: mass_kg(p.properties.volume, self.kit.density(p.job.role)) for p in parts}
+        return {
+            p.number: mass_kg(p.properties.volume, self.kit.density(p.job.kind.role)) for p in parts
+        }
 
     def _write_schedules(self, tables: Mapping[str, Table]) -> None:
         """CSV a table, and one workbook."""
@@ -321,8 +325,8 @@ def part_settings(kit: Kit, folder: Path) -> PartSettings:
     output, formats = kit.project.output, kit.project.output.formats
     settings = kit.linkage.settings
     printed = Material(settings.printer.material, settings.printer.density)
-    metal = Material("Steel", kit.density("pin"))
-    roles: tuple[Role, ...] = ("link", "cap", "spacer", "coupon")
+    metal = Material("Steel", kit.density(PIN.role))
+    roles = [kind.role for kind in ORDER]
     return PartSettings(
         folder=folder,
         step="step" in formats,
@@ -332,7 +336,7 @@ def part_settings(kit: Kit, folder: Path) -> PartSettings:
         header=Header(output.author, output.organisation, kit.name),
         materials={
             **dict.fromkeys(roles, printed),
-            "pin": metal if settings.pin == "metal" else printed,
+            PIN.role: metal if settings.pin == "metal" else printed,
         },
         threemf="3mf" in formats,
     )

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
+from fabrication.linkage.pieces import Pin
 from fabrication.motion.convex import Body, ConvexPiece, cylinder, hull
-from fabrication.solids.linkframe import Eye, bar_corners, eyes_of, label_corners
-from fabrication.specs import Fitting, Link, Pin
+from fabrication.parts.link import LinkShape
+from fabrication.parts.link.frame import Eye, bar_corners, eyes_of, label_corners
 
 if TYPE_CHECKING:
     from fabrication.linkage.links import Linkage
@@ -29,15 +29,14 @@ def bodies(linkage: Linkage) -> tuple[Body, ...]:
         A link is impossible: its bar does not meet its eyes.
     """
     items = {item.mark: item for stack in linkage.stacks for item in stack}
-    found = []
-    for piece in linkage.pieces:
-        if isinstance(piece, Link):
-            found.append(link_body(piece.mark, piece.bar, piece.hinges, piece.shape))
-        elif isinstance(piece, Pin | Fitting) and piece.hinge is not None:
-            at, shape = items[piece.mark], piece.shape
-            assert not isinstance(shape, CouponShape)
-            found.append(fitting_body(piece.mark, piece.hinge, shape, at.low, at.high))
-    return tuple(found)
+    links = [link_body(link.mark, link.bar, link.hinges, link.shape) for link in linkage.links]
+    pins = [pin_body(pin, items[pin.mark].low, items[pin.mark].high) for pin in linkage.pins]
+    others = []
+    for fitting in linkage.fittings:
+        at = items[fitting.mark]
+        ring = _round(at.low, at.high, fitting.shape.diameter)
+        others.append(Body(fitting.mark, (ring,), hinge=fitting.hinge))
+    return (*links, *pins, *others)
 
 
 def link_body(mark: str, bar: int, hinges: tuple[int, int], shape: LinkShape) -> Body:
@@ -60,14 +59,13 @@ def _eye_piece(eye: Eye, hinge: int) -> ConvexPiece:
     return cylinder(middle - eye.half * axis, middle + eye.half * axis, eye.radius, eye=hinge)
 
 
-def fitting_body(
-    mark: str, hinge: int, shape: PinShape | RingShape, low: float, high: float
-) -> Body:
-    """A pin, cap or spacer in its hinge's frame, from `low` to `high` [mm] along the axis."""
+def pin_body(pin: Pin, low: float, high: float) -> Body:
+    """A pin in its hinge's frame, from `low` to `high` [mm] along the axis; its head is below."""
+    shape = pin.shape
     pieces = [_round(low, high, shape.diameter)]
-    if isinstance(shape, PinShape) and shape.head_height > 0.0:
+    if shape.head_height > 0.0:
         pieces.append(_round(low - shape.head_height, low, shape.head_diameter))
-    return Body(mark, tuple(pieces), hinge=hinge)
+    return Body(pin.mark, tuple(pieces), hinge=pin.hinge)
 
 
 def _round(low: float, high: float, diameter: float) -> ConvexPiece:

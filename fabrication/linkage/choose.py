@@ -20,11 +20,11 @@ from ddgfab.linkages import Mechanism, Pose
 from ddgfab.mesh import Floats, Ints
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkage.shapes import heights_of, link_shapes, seats_of
-from fabrication.linkshapes import link_key_of
-from fabrication.linkspecs import LinkShape
 from fabrication.motion.contacts import segment_difference
-from fabrication.solids.link import link_boundary
-from fabrication.solids.linkframe import bar_radius, eyes_of
+from fabrication.parts.link import LinkShape, link_key_of
+from fabrication.parts.link.boundary import link_boundary
+from fabrication.parts.link.frame import bar_radius, eyes_of
+from fabrication.parts.ring import SPACER
 
 Prefer = Literal["parts", "range"]
 
@@ -83,7 +83,7 @@ def rank_levels(
         stacks = seats_of(mechanism, heights, settings)
         spans = np.array([(stack[1].low, stack[-1].high) for stack in stacks])
         numbers = len({link_key_of(shape) for shape in shapes})
-        spacers = sum(seat.role == "spacer" for stack in stacks for seat in stack)
+        spacers = sum(seat.kind == SPACER for stack in stacks for seat in stack)
         found.append(Choice(levels, numbers, spacers, swept.free_range(shapes, heights, spans)))
     if not found:
         raise fault or DetailError("there are no levels to choose from")

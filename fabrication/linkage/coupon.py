@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from fabrication.linkage.settings import LinkageSettings
-from fabrication.linkspecs import CouponShape, Label, PinShape
-from fabrication.solids.coupon import MARGIN
-from fabrication.solids.text import ROWS, text_size
+from fabrication.parts.coupon import MARGIN, CouponShape
+from fabrication.parts.pin import PinShape
+from fabrication.solids.text import ROWS, Label, text_size
 
 HANDLE = 12.0
 """How far [mm] the test pin stands out of the coupon, to be turned by."""

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fabrication.linkage.links import Linkage
-from fabrication.linkspecs import LinkShape
-from fabrication.solids.linkframe import bar_sides, eyes_of
-from fabrication.specs import Link
+from fabrication.parts.link import LINK
+from fabrication.parts.link.frame import bar_sides, eyes_of
 
 
 @dataclass(frozen=True)
@@ -34,12 +33,12 @@ def facings(linkage: Linkage) -> dict[str, Facing]:
     """
     mechanism = linkage.mechanism
     pose = mechanism.pose(mechanism.design)
-    links = {piece.mark: piece for piece in linkage.pieces if isinstance(piece, Link)}
+    links = {link.mark: link for link in linkage.links}
     found = {}
     for family in linkage.families:
-        shape = family.shape
-        if not isinstance(shape, LinkShape):
+        if family.kind != LINK:
             continue
+        shape = links[family.instances[0].mark].shape
         normal = np.array(bar_sides(shape, eyes_of(shape))[0].up)
         for instance in family.instances:
             hinges = list(links[instance.mark].hinges)

@@ -24,6 +24,7 @@ from fabrication.linkage.project import KitProject, kit_kinds, load_kit_project,
 from fabrication.linkage.schedules import kit_schedules
 from fabrication.linkage.widen import Moved, moved, widened
 from fabrication.motion.free_range import Contact, FreeMotion
+from fabrication.parts.pin import PIN
 from fabrication.solids import mesh_of
 from fabrication.specs import Family, Instance, Role
 from fabrication.standards import density
@@ -97,7 +98,7 @@ class Kit:
 
     def density(self, role: Role) -> float:
         """Density [kg/m3] of what parts of a role are made of."""
-        metal = role == "pin" and self.linkage.settings.pin == "metal"
+        metal = role == PIN.role and self.linkage.settings.pin == "metal"
         return density("steel") if metal else self.linkage.settings.printer.density
 
     def summary(self) -> str:
@@ -212,13 +213,13 @@ class Kit:
 
         Its children are Links, Pins, Caps, Spacers with a labelled, coloured solid a piece.
         """
-        from fabrication.handover import to_build123d
+        from fabrication.export.hand_over import to_build123d
 
         return to_build123d(self.name, self.placed(angle))
 
     def to_cadquery(self, angle: float | None = None) -> Any:
         """A `cadquery.Assembly` at a driving angle [rad]: a named, coloured solid a piece."""
-        from fabrication.handover import to_cadquery
+        from fabrication.export.hand_over import to_cadquery
 
         return to_cadquery(self.name, self.placed(angle))
 
@@ -301,7 +302,7 @@ def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
     begin = time.perf_counter()
     families = found.linkage.families
     meshes = {f.number: mesh_of(f.shape, PRINTED_CHORD_MM) for f in families}
-    printed, filled = laid_out(families, meshes, project.printer.bed())
+    printed, filled = laid_out(families, meshes, found.linkage.settings, project.printer.bed())
     lap("print plates", begin)
     return Kit(project, mechanism, found, printed, filled, seconds)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 from fabrication.linkage.settings import LinkageSettings
-from fabrication.linkspecs import Label, LinkShape
-from fabrication.solids.linkframe import label_room
-from fabrication.solids.text import ROWS, text_size
+from fabrication.parts.link import LinkShape
+from fabrication.parts.link.frame import label_room
+from fabrication.solids.text import ROWS, Label, text_size
 
 HEIGHT: Final = 4.0
 """Height [mm] of letters where there is room: larger ones are no easier to read."""

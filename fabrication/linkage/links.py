@@ -18,14 +18,19 @@ from fabrication.linkage.choose import Prefer, check_links, rank_levels
 from fabrication.linkage.coupon import coupon_shape, pin_for_test
 from fabrication.linkage.labels import label_for, short_number
 from fabrication.linkage.levels import even_levels
+from fabrication.linkage.pieces import ORDER, Fitting, Link, LinkagePiece, Loose, Pin
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.linkage.shapes import Seat, heights_of, link_shapes, seats_of
-from fabrication.linkspecs import Label, LinkShape, PinShape
 from fabrication.motion.convex import ConvexPieces
 from fabrication.motion.free_range import JOINT_CLEARANCE
 from fabrication.motion.pairs import Rules
 from fabrication.motion.proof import Search
-from fabrication.specs import Check, Family, Fitting, Link, Piece, Pin, Placement, Role
+from fabrication.parts.coupon import COUPON
+from fabrication.parts.link import LINK, LinkShape
+from fabrication.parts.pin import PIN
+from fabrication.parts.ring import CAP, SPACER
+from fabrication.solids.text import Label
+from fabrication.specs import Check, Family, Kind, Placement
 
 LINK_TOLERANCE: Final = 1e-6
 """Links are congruent within this [mm]: linkages with redundant bars allow no more."""
@@ -42,7 +47,7 @@ class StackItem:
     """A piece on a pin, from `low` to `high` [mm] along the hinge's axis."""
 
     mark: str
-    role: Role
+    kind: Kind
     low: float
     high: float
 
@@ -54,7 +59,9 @@ class Linkage:
     Attributes
     ----------
     mechanism, settings : what they were made from
-    pieces : links by bar, pins by hinge, caps and spacers by hinge from below, coupon, test pin
+    links, pins : by bar, by hinge
+    fittings : caps and spacers by hinge from below
+    loose : the coupon and its test pin, or nothing
     families : their part numbers; the links' labels name them
     levels : (E, 2) of the bars' ends, from 0 along the axes
     heights : (E, 2) of the eyes' middles along their axes [mm]
@@ -64,12 +71,25 @@ class Linkage:
 
     mechanism: Mechanism
     settings: LinkageSettings
-    pieces: tuple[Piece, ...]
+    links: tuple[Link, ...]
+    pins: tuple[Pin, ...]
+    fittings: tuple[Fitting, ...]
+    loose: tuple[Loose, ...]
     families: tuple[Family, ...]
     levels: Ints
     heights: Floats
     stacks: tuple[tuple[StackItem, ...], ...]
     notes: tuple[str, ...]
+
+    @property
+    def pieces(self) -> tuple[LinkagePiece, ...]:
+        """All pieces: links, pins, fittings, and what lies beside."""
+        return (*self.links, *self.pins, *self.fittings, *self.loose)
+
+    @property
+    def on_pins(self) -> tuple[Pin | Fitting, ...]:
+        """Pins, caps and spacers: what moves with a hinge."""
+        return (*self.pins, *self.fittings)
 
     def placements_at(self, pose: Pose) -> dict[str, Placement]:
         """Placements (4, 4) of the mechanism's pieces in a pose, by mark, for their own shapes.
@@ -79,12 +99,9 @@ class Linkage:
         """
         links = self.mechanism.bar_frames(pose)
         hinges = hinge_frames(self.mechanism, pose)
-        placed: dict[str, Placement] = {}
-        for piece in self.pieces:
-            if isinstance(piece, Link):
-                placed[piece.mark] = links[piece.bar]
-            elif isinstance(piece, Pin | Fitting) and piece.hinge is not None:
-                placed[piece.mark] = hinges[piece.hinge] @ self._seat[piece.mark]
+        placed: dict[str, Placement] = {link.mark: links[link.bar] for link in self.links}
+        for piece in self.on_pins:
+            placed[piece.mark] = hinges[piece.hinge] @ self._seat[piece.mark]
         return placed
 
     @cached_property
@@ -93,8 +110,7 @@ class Linkage:
         design = hinge_frames(self.mechanism, self.mechanism.pose(self.mechanism.design))
         return {
             piece.mark: np.linalg.inv(design[piece.hinge]) @ piece.placement
-            for piece in self.pieces
-            if isinstance(piece, Pin | Fitting) and piece.hinge is not None
+            for piece in self.on_pins
         }
 
 
@@ -178,7 +194,7 @@ def _no_levels(mechanism: Mechanism, touch: Touch) -> DetailError:
         if not mark.startswith("L"):
             return mark
         i, j = mechanism.bars[int(mark[2:])].tolist()
-        return f"{mark} (on pins H-{i:04d}, H-{j:04d})"
+        return f"{mark} (on pins {PIN.mark_of(i)}, {PIN.mark_of(j)})"
 
     return DetailError(
         f"no levels keep all parts apart in the design pose: {words(touch.marks[0])} and "
@@ -201,15 +217,17 @@ def _kit(mechanism: Mechanism, settings: LinkageSettings, levels: Ints) -> Linka
     notes: list[str] = []
     links = [_labelled(link, numbers[link.mark], settings, notes) for link in links]
     stacks = seats_of(mechanism, heights, settings)
-    fittings, items = _fittings(stacks, hinge_frames(mechanism, pose), pose)
-    pieces: list[Piece] = [*links, *fittings]
-    if settings.coupon:
-        pieces += _coupon(settings, pose)
+    pins, fittings, items = _fittings(stacks, hinge_frames(mechanism, pose), pose)
+    loose = _coupon(settings, pose) if settings.coupon else ()
+    pieces: list[LinkagePiece] = [*links, *pins, *fittings, *loose]
     return Linkage(
         mechanism,
         settings,
-        tuple(pieces),
-        families(pieces, LINK_TOLERANCE),
+        tuple(links),
+        pins,
+        fittings,
+        loose,
+        families(sorted(pieces, key=lambda piece: ORDER.index(piece.kind)), LINK_TOLERANCE),
         levels,
         heights,
         items,
@@ -223,10 +241,10 @@ def _links(mechanism: Mechanism, levels: Ints, shapes: list[LinkShape], pose: Po
     for bar, (i, j) in enumerate(mechanism.bars.tolist()):
         links.append(
             Link(
-                mark=f"L-{bar:04d}",
+                mark=LINK.mark_of(bar),
                 bar=bar,
                 hinges=(i, j),
-                pins=(f"H-{i:04d}", f"H-{j:04d}"),
+                pins=(PIN.mark_of(i), PIN.mark_of(j)),
                 strip=int(mechanism.strips[bar]),
                 direction=int(mechanism.directions[bar]),
                 levels=(int(levels[bar, 0]), int(levels[bar, 1])),
@@ -272,50 +290,47 @@ def link_checks(
 
 def _fittings(
     stacks: list[list[Seat]], frames: Floats, pose: Pose
-) -> tuple[list[Piece], tuple[tuple[StackItem, ...], ...]]:
+) -> tuple[tuple[Pin, ...], tuple[Fitting, ...], tuple[tuple[StackItem, ...], ...]]:
     """Pins by hinge, then caps and spacers by hinge; and the stacks by mark."""
-    pins: list[Piece] = []
-    others: list[Piece] = []
+    pins: list[Pin] = []
+    others: list[Fitting] = []
     items = []
     for hinge, stack in enumerate(stacks):
         row = []
-        count = {"cap": 0, "spacer": 0}
+        count = {CAP: 0, SPACER: 0}
         for seat in stack:
             if seat.bar is not None:
-                mark = f"L-{seat.bar:04d}"
-            elif seat.role == "pin":
-                mark = f"H-{hinge:04d}"
+                mark = LINK.mark_of(seat.bar)
+            elif seat.pin is not None:
+                mark = PIN.mark_of(hinge)
             else:
-                mark = f"{'C' if seat.role == 'cap' else 'S'}-{hinge:04d}-{count[seat.role]}"
-                count[seat.role] += 1
-            row.append(StackItem(mark, seat.role, seat.low, seat.high))
-            if seat.shape is None:
-                continue
+                mark = f"{seat.kind.mark_of(hinge)}-{count[seat.kind]}"
+                count[seat.kind] += 1
+            row.append(StackItem(mark, seat.kind, seat.low, seat.high))
             motion = np.eye(4)
             motion[2, 3] = seat.low
             if seat.turned:
                 motion[[1, 2], [1, 2]] = -1.0
                 motion[2, 3] = seat.high
             placement = frames[hinge] @ motion
-            if isinstance(seat.shape, PinShape):
+            if seat.pin is not None:
                 pins.append(
-                    Pin(mark, hinge, pose.points[hinge], pose.axes[hinge], seat.shape, placement)
+                    Pin(mark, hinge, pose.points[hinge], pose.axes[hinge], seat.pin, placement)
                 )
-            else:
-                others.append(Fitting(mark, seat.role, hinge, seat.shape, placement))
+            elif seat.ring is not None:
+                others.append(Fitting(mark, seat.kind, hinge, seat.ring, placement))
         items.append(tuple(row))
-    return pins + others, tuple(items)
+    return tuple(pins), tuple(others), tuple(items)
 
 
-def _coupon(settings: LinkageSettings, pose: Pose) -> list[Piece]:
+def _coupon(settings: LinkageSettings, pose: Pose) -> tuple[Loose, ...]:
     """The coupon and its test pin, below the linkage."""
     low = pose.points.min(axis=0)
     place = np.eye(4)
     place[:3, 3] = low - ASIDE - np.array([0.0, 0.0, settings.eye_height])
     beside = place.copy()
     beside[1, 3] -= ASIDE
-    shape = pin_for_test(settings)
-    return [
-        Fitting("T-0000", "coupon", None, coupon_shape(settings), place),
-        Pin("T-0001", None, beside[:3, 3], np.array([0.0, 0.0, 1.0]), shape, beside),
-    ]
+    return (
+        Loose(COUPON.mark_of(0), COUPON, coupon_shape(settings), place),
+        Loose(COUPON.mark_of(1), PIN, pin_for_test(settings), beside),
+    )

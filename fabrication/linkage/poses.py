@@ -14,12 +14,15 @@ from fabrication.linkage.kit import Kit
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.motion.free_range import JOINT_CLEARANCE
-from fabrication.specs import Check, Role, TriangleMesh
+from fabrication.parts.link import LINK
+from fabrication.parts.pin import PIN
+from fabrication.parts.ring import CAP, SPACER
+from fabrication.specs import Check, Kind, Role, TriangleMesh
 
 SLACK_MM: Final = 2 * PRINTED_CHORD_MM
 """How much [mm] a gap between two meshes may fall short, as both are within their chord."""
 
-MOVING: Final[tuple[Role, ...]] = ("link", "pin", "cap", "spacer")
+MOVING: Final[tuple[Role, ...]] = tuple(kind.role for kind in (LINK, PIN, CAP, SPACER))
 """Roles of what moves; the coupon lies aside."""
 
 
@@ -47,7 +50,7 @@ def check_poses(
     """
     settings = kit.linkage.settings
     everywhere = dict.fromkeys(combinations_with_replacement(MOVING, 2), settings.axial_gap)
-    hinges, roles = _stacked(kit)
+    hinges, kinds = _stacked(kit)
     worst: dict[tuple[str, str], Clash] = {}
     for angle in np.atleast_1d(np.asarray(angles, dtype=np.float64)):
         report = examine_assembly(kit.placed(float(angle)), meshes, everywhere, tolerance=SLACK_MM)
@@ -55,7 +58,7 @@ def check_poses(
             first, second = clash.marks
             limit = clash.limit
             if hinges[first] & hinges[second]:
-                limit = limit_on_pin(settings, roles[first], roles[second])
+                limit = limit_on_pin(settings, kinds[first], kinds[second])
             before = worst.get(clash.marks)
             if clash.gap < limit - SLACK_MM and (before is None or clash.gap < before.gap):
                 worst[clash.marks] = Clash(clash.marks, clash.gap, limit)
@@ -68,24 +71,24 @@ def check_poses(
     return {mark: checks.get(mark, [Check("clearance", True)]) for mark in hinges}
 
 
-def limit_on_pin(settings: LinkageSettings, first: Role, second: Role) -> float:
-    """Least gap [mm] of two pieces on one pin, by their roles.
+def limit_on_pin(settings: LinkageSettings, first: Kind, second: Kind) -> float:
+    """Least gap [mm] of two pieces on one pin, by their kinds.
 
     Caps are pressed on; bars keep their eyes' distance at the pin, and elsewhere what the
     certificate requires of links that share a hinge.
     """
-    roles = {first, second}
-    if "pin" in roles:
-        return 0.0 if "cap" in roles else settings.clearance
+    kinds = {first, second}
+    if PIN in kinds:
+        return 0.0 if CAP in kinds else settings.clearance
     return min(JOINT_CLEARANCE, settings.axial_gap)
 
 
-def _stacked(kit: Kit) -> tuple[dict[str, frozenset[int]], dict[str, Role]]:
-    """By mark, the hinges on whose pins a piece is, and its role."""
+def _stacked(kit: Kit) -> tuple[dict[str, frozenset[int]], dict[str, Kind]]:
+    """By mark, the hinges on whose pins a piece is, and its kind."""
     hinges: dict[str, set[int]] = {}
-    roles: dict[str, Role] = {}
+    kinds: dict[str, Kind] = {}
     for hinge, stack in enumerate(kit.linkage.stacks):
         for item in stack:
             hinges.setdefault(item.mark, set()).add(hinge)
-            roles[item.mark] = item.role
-    return {mark: frozenset(found) for mark, found in hinges.items()}, roles
+            kinds[item.mark] = item.kind
+    return {mark: frozenset(found) for mark, found in hinges.items()}, kinds

@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.formats.step import COLOURS
-from fabrication.formats.threemf import Body3MF, Item3MF, threemf_bytes
+from fabrication.export.threemf import Body3MF, Item3MF, threemf_bytes
 from fabrication.linkage.plates import Bed, Plate, Printed, plates
 from fabrication.linkage.schedules import is_printed
-from fabrication.linkspecs import RingShape
+from fabrication.linkage.settings import LinkageSettings
+from fabrication.parts.ring import CAP
 from fabrication.specs import Family, TriangleMesh
 
 PRINTED_CHORD_MM: Final = 0.01
@@ -24,13 +24,15 @@ UPSIDE_DOWN: Final[Floats] = np.diag([1.0, -1.0, -1.0, 1.0])
 """A half turn about x."""
 
 
-def printed_parts(families: Sequence[Family], meshes: Mapping[str, TriangleMesh]) -> list[Printed]:
+def printed_parts(
+    families: Sequence[Family], meshes: Mapping[str, TriangleMesh], settings: LinkageSettings
+) -> list[Printed]:
     """What a printer makes, lying as it is printed: the axis of a hinge vertical, caps on their
     floors, printed pins on their heads."""
     return [
         Printed(f.number, meshes[f.number], lying(f), tuple(i.mark for i in f.instances))
         for f in families
-        if is_printed(f)
+        if is_printed(f.kind, settings)
     ]
 
 
@@ -39,12 +41,14 @@ def lying(family: Family) -> Floats:
 
     A link's label looks up, and the axis at its start is vertical.
     """
-    shape = family.shape
-    return UPSIDE_DOWN if isinstance(shape, RingShape) and shape.floor > 0 else np.eye(4)
+    return UPSIDE_DOWN if family.kind == CAP else np.eye(4)
 
 
 def laid_out(
-    families: Sequence[Family], meshes: Mapping[str, TriangleMesh], bed: Bed
+    families: Sequence[Family],
+    meshes: Mapping[str, TriangleMesh],
+    settings: LinkageSettings,
+    bed: Bed,
 ) -> tuple[list[Printed], tuple[Plate, ...]]:
     """What is printed, and on which plates; the links first.
 
@@ -53,7 +57,7 @@ def laid_out(
     InputError
         A part is larger than the bed; names it.
     """
-    parts = printed_parts(families, meshes)
+    parts = printed_parts(families, meshes, settings)
     return parts, plates(parts, bed)
 
 
@@ -61,7 +65,7 @@ def write_plates(
     folder: Path, families: Sequence[Family], parts: Sequence[Printed], filled: Sequence[Plate]
 ) -> dict[Path, list[tuple[str, TriangleMesh, int]]]:
     """Write plate_1.3mf, plate_2.3mf, ...; by path what `check_threemf` has to find in each."""
-    colours = {family.number: COLOURS[family.role] for family in families}
+    colours = {family.number: family.kind.color for family in families}
     folder.mkdir(parents=True, exist_ok=True)
     written = {}
     for place, plate in enumerate(filled, 1):

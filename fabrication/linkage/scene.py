@@ -13,15 +13,14 @@ import numpy as np
 from ddgfab.errors import OutputError
 from ddgfab.linkages import Pose
 from ddgfab.mesh import Floats
-from fabrication.formats.step import COLOURS, GROUPS
 from fabrication.linkage.animation import write_animation
 from fabrication.linkage.kit import Kit
 from fabrication.linkage.page import Group, Moving, MovingScene, Page, Touch
-from fabrication.linkspecs import LinkShape
 from fabrication.motion.free_range import Contact
+from fabrication.parts.link import LINK
 from fabrication.pictures.preview import write_preview
 from fabrication.solids import mesh_of
-from fabrication.specs import Family, Instance, TriangleMesh
+from fabrication.specs import Family, Instance, Shape, TriangleMesh
 from fabrication.table import Table
 
 SEEN_CHORD_MM: Final = 0.2
@@ -63,19 +62,19 @@ def moving_scene(kit: Kit) -> MovingScene:
     motions = kit.motions(angles)
     still = standstill(kit, angles)
     families = [f for f in kit.families if any(i.mark in motions for i in f.instances)]
-    links = [f.number for f in families if f.role == "link"]
+    links = [f.number for f in families if f.kind == LINK]
     groups, pieces, placed = [], [], []
     for body, family in enumerate(families):
-        colour = COLOURS[family.role]
-        if family.role == "link":
+        colour = family.kind.color
+        if family.kind == LINK:
             colour = LINK_COLOURS[links.index(family.number) % len(LINK_COLOURS)]
         own = [i.mark for i in family.instances if i.mark in motions]
-        groups.append(Group(f"{GROUPS[family.role]} {family.number} ({len(own)})", colour))
+        groups.append(Group(f"{family.kind.title} {family.number} ({len(own)})", colour))
         for mark in own:
             pieces.append(Moving(body, body, f"{mark}, {family.number}"))
             placed.append(still @ motions[mark])
     return MovingScene(
-        bodies=[seen_mesh(family) for family in families],
+        bodies=[mesh_of(shape, SEEN_CHORD_MM) for shape in seen_shapes(kit, families)],
         groups=groups,
         pieces=pieces,
         motions=np.stack(placed, axis=1),
@@ -105,12 +104,10 @@ def shown_angles(kit: Kit) -> tuple[Floats, int]:
     return angles, at
 
 
-def seen_mesh(family: Family) -> TriangleMesh:
-    """A coarse mesh without letters."""
-    shape = family.shape
-    if isinstance(shape, LinkShape):
-        shape = replace(shape, label=None)
-    return mesh_of(shape, SEEN_CHORD_MM)
+def seen_shapes(kit: Kit, families: Sequence[Family]) -> list[Shape]:
+    """The shapes of part numbers without letters."""
+    plain = {link.mark: replace(link.shape, label=None) for link in kit.linkage.links}
+    return [plain.get(family.instances[0].mark, family.shape) for family in families]
 
 
 def standstill(kit: Kit, angles: Floats) -> Floats:

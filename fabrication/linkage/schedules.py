@@ -16,8 +16,10 @@ from ddgfab.linkages.mechanism import Mechanism
 from ddgfab.mesh import Floats
 from fabrication.linkage.facing import Facing, facings
 from fabrication.linkage.links import Linkage
-from fabrication.linkspecs import CouponShape, LinkShape, PinShape, RingShape
-from fabrication.specs import Family, Fitting, Link, Pin
+from fabrication.linkage.settings import LinkageSettings
+from fabrication.parts.link import LINK
+from fabrication.parts.pin import PIN
+from fabrication.specs import Kind
 from fabrication.table import Table
 
 Row: TypeAlias = dict[str, Any]
@@ -25,6 +27,17 @@ Masses: TypeAlias = Mapping[str, float]
 
 DIGITS: Final = 13
 """Significant digits of what the linkage is made again from."""
+
+DIMENSIONS: Final = (
+    "length_mm",
+    "twist_deg",
+    "hand",
+    "diameter_mm",
+    "bore_mm",
+    "height_mm",
+    "label",
+)
+"""Columns of the dimensions that kits usually have; others follow where a shape has them."""
 
 FULL: Final = 1e-9
 """An angle this near [rad] below a full turn is 0."""
@@ -46,75 +59,39 @@ def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
     `between` says, for every link of the number, from which hinge to which it goes: its start is
     the first, and the twist is counted about the direction from there.
     """
-    pieces = {piece.mark: piece for piece in linkage.pieces}
+    links = {link.mark: link for link in linkage.links}
+    places = {link.mark: f"{link.hinges[0]}>{link.hinges[1]}" for link in linkage.links}
+    places |= {piece.mark: str(piece.hinge) for piece in linkage.on_pins}
     rows = []
     for family in linkage.families:
-        own = [pieces[instance.mark] for instance in family.instances]
-        between = [f"{p.hinges[0]}>{p.hinges[1]}" for p in own if isinstance(p, Link)]
-        hinges = [str(p.hinge) for p in own if isinstance(p, Pin | Fitting) and p.hinge is not None]
+        marks = [instance.mark for instance in family.instances]
+        link = links.get(marks[0])
         rows.append(
             {
                 "number": family.number,
                 "role": family.role,
-                "count": len(own),
-                "material": _material(linkage, family),
-                **_dimensions(family),
+                "count": len(marks),
+                "material": _material(linkage, family.kind),
+                **dict.fromkeys(DIMENSIONS),
+                **family.shape.dimensions(),
                 "mass_g": 1000.0 * masses[family.number],
-                "between": " ".join(between or hinges),
-                "marks": " ".join(instance.mark for instance in family.instances),
-                **_exact_dimensions(family),
+                "between": " ".join(places[mark] for mark in marks if mark in places),
+                "marks": " ".join(marks),
+                "length_exact_mm": exact(link.shape.length) if link else None,
+                "twist_exact_deg": exact(float(np.degrees(link.shape.twist))) if link else None,
             }
         )
     return rows
 
 
-def _material(linkage: Linkage, family: Family) -> str:
-    return linkage.settings.printer.material if is_printed(family) else "steel rod"
+def _material(linkage: Linkage, kind: Kind) -> str:
+    settings = linkage.settings
+    return settings.printer.material if is_printed(kind, settings) else "steel rod"
 
 
-def is_printed(family: Family) -> bool:
-    """Whether a printer makes it; a pin without a head is a length of metal rod."""
-    shape = family.shape
-    return not (isinstance(shape, PinShape) and shape.head_height == 0)
-
-
-def _dimensions(family: Family) -> Row:
-    """The dimensions that a part is known by."""
-    shape = family.shape
-    row: Row = dict.fromkeys(
-        ("length_mm", "twist_deg", "hand", "diameter_mm", "bore_mm", "height_mm", "label")
-    )
-    if isinstance(shape, LinkShape):
-        row["length_mm"], row["twist_deg"] = shape.length, float(np.degrees(shape.twist))
-        row["hand"] = hand(shape.twist)
-        row["bore_mm"], row["height_mm"] = shape.bores[0], shape.eye_height
-        row["diameter_mm"] = shape.eye_diameter
-        row["label"] = shape.label.text if shape.label else None
-    elif isinstance(shape, PinShape):
-        row["length_mm"], row["diameter_mm"] = shape.length, shape.diameter
-    elif isinstance(shape, RingShape):
-        row["diameter_mm"], row["bore_mm"] = shape.diameter, shape.bore
-        row["height_mm"] = shape.height
-    else:
-        assert isinstance(shape, CouponShape)
-        row["height_mm"] = shape.thickness
-    return row
-
-
-def _exact_dimensions(family: Family) -> Row:
-    """Length and twist of a link with all digits."""
-    shape = family.shape
-    if not isinstance(shape, LinkShape):
-        return {"length_exact_mm": None, "twist_exact_deg": None}
-    return {
-        "length_exact_mm": exact(shape.length),
-        "twist_exact_deg": exact(float(np.degrees(shape.twist))),
-    }
-
-
-def hand(twist: float) -> str:
-    """ "right" where the far axis is turned counterclockwise as it is seen coming near."""
-    return "right" if twist > 0 else "left"
+def is_printed(kind: Kind, settings: LinkageSettings) -> bool:
+    """Whether a printer makes parts of a kind; metal pins are lengths of rod."""
+    return not (kind == PIN and settings.pin == "metal")
 
 
 def exact(value: float) -> str:
@@ -132,9 +109,7 @@ def link_rows(linkage: Linkage) -> list[Row]:
     numbers = number_of(linkage)
     azimuths = bar_azimuths(mechanism)
     rows = []
-    for piece in linkage.pieces:
-        if not isinstance(piece, Link):
-            continue
+    for piece in linkage.links:
         bar = piece.bar
         rows.append(
             {
@@ -150,10 +125,10 @@ def link_rows(linkage: Linkage) -> list[Row]:
                 "level_start": piece.levels[0],
                 "level_end": piece.levels[1],
                 "label_side": _side(facing[piece.mark]),
-                "label_towards": f"H-{facing[piece.mark].towards:04d}",
+                "label_towards": PIN.mark_of(facing[piece.mark].towards),
                 "length_mm": float(mechanism.lengths[bar]),
                 "twist_deg": float(np.degrees(mechanism.twists[bar])),
-                "hand": hand(float(mechanism.twists[bar])),
+                "hand": piece.shape.hand,
                 "angle_start_deg": float(np.degrees(azimuths[bar, 0])),
                 "angle_end_deg": float(np.degrees(azimuths[bar, 1])),
                 "angle_start_exact_deg": exact(float(np.degrees(azimuths[bar, 0]))),
@@ -191,9 +166,7 @@ def hinge_rows(linkage: Linkage) -> list[Row]:
     """A row a hinge: its pin, where it is in the design pose, what is on it from the bottom up."""
     numbers = number_of(linkage)
     rows = []
-    for piece in linkage.pieces:
-        if not isinstance(piece, Pin) or piece.hinge is None:
-            continue
+    for piece in linkage.pins:
         stack = linkage.stacks[piece.hinge]
         x, axis = piece.position, piece.axis
         rows.append(
@@ -201,7 +174,7 @@ def hinge_rows(linkage: Linkage) -> list[Row]:
                 "hinge": piece.hinge,
                 "pin": piece.mark,
                 "number": numbers[piece.mark],
-                "bars": sum(item.role == "link" for item in stack),
+                "bars": sum(item.kind == LINK for item in stack),
                 "stack": " ".join(item.mark for item in stack),
                 "diameter_mm": piece.shape.diameter,
                 "length_mm": piece.shape.length,
@@ -218,11 +191,10 @@ def assembly_rows(linkage: Linkage) -> list[Row]:
     The pins come in an order in which every one but the first takes a link that is already there.
     """
     numbers, facing = number_of(linkage), facings(linkage)
-    pins = {p.hinge: p.mark for p in linkage.pieces if isinstance(p, Pin) and p.hinge is not None}
+    pins = {pin.hinge: pin.mark for pin in linkage.pins}
     levels = {
         (piece.mark, hinge): level
-        for piece in linkage.pieces
-        if isinstance(piece, Link)
+        for piece in linkage.links
         for hinge, level in zip(piece.hinges, piece.levels, strict=True)
     }
     rows: list[Row] = []
@@ -237,7 +209,7 @@ def assembly_rows(linkage: Linkage) -> list[Row]:
                     "order": order,
                     "part": item.mark,
                     "number": numbers[item.mark],
-                    "role": item.role,
+                    "role": item.kind.role,
                     "level": levels.get((item.mark, hinge)),
                     "label_side": _side(facing[item.mark]) if item.mark in facing else None,
                     "from_mm": item.low,

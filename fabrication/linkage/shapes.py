@@ -10,8 +10,10 @@ from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Floats, Ints
 from fabrication.linkage.levels import bars_at
 from fabrication.linkage.settings import LinkageSettings
-from fabrication.linkspecs import LinkShape, PinShape, RingShape
-from fabrication.specs import Role
+from fabrication.parts.link import LINK, LinkShape
+from fabrication.parts.pin import PIN, PinShape
+from fabrication.parts.ring import CAP, SPACER, RingShape
+from fabrication.specs import Kind
 
 
 def heights_of(levels: Ints, settings: LinkageSettings) -> Floats:
@@ -44,18 +46,20 @@ def link_shapes(
 
 @dataclass(frozen=True)
 class Seat:
-    """What sits on a pin from `low` to `high` [mm along the hinge's axis], and in which role.
+    """What sits on a pin from `low` to `high` [mm along the hinge's axis], and of which kind.
 
     bar : of a link, else None
-    shape : of a pin, cap or spacer, else None
+    pin : the shape of a pin, else None
+    ring : the shape of a cap or spacer, else None
     turned : whether the part's z runs against the axis
     """
 
-    role: Role
+    kind: Kind
     low: float
     high: float
     bar: int | None = None
-    shape: PinShape | RingShape | None = None
+    pin: PinShape | None = None
+    ring: RingShape | None = None
     turned: bool = False
 
 
@@ -78,19 +82,19 @@ def seats_of(mechanism: Mechanism, heights: Floats, settings: LinkageSettings) -
         if s.pin == "metal":
             length = high - low + 2.0 * s.cap_grip
             pin = PinShape(s.pin_diameter, length)
-            stack.append(Seat("pin", low - s.cap_grip, high + s.cap_grip, shape=pin))
-            stack.append(Seat("cap", low - cap.height, low, shape=cap, turned=True))
+            stack.append(Seat(PIN, low - s.cap_grip, high + s.cap_grip, pin=pin))
+            stack.append(Seat(CAP, low - cap.height, low, ring=cap, turned=True))
         else:
             pin = PinShape(s.pin_diameter, high - low + s.cap_grip, s.cap_diameter, s.head_height)
-            stack.append(Seat("pin", low, high + s.cap_grip, shape=pin))
+            stack.append(Seat(PIN, low, high + s.cap_grip, pin=pin))
         below = at[0][0]
         for place, bar in at:
             foot, top = below + half + s.axial_gap, place - half - s.axial_gap
             if top - foot > s.axial_gap:
                 ring = RingShape(s.eye_diameter, s.bore, top - foot)
-                stack.append(Seat("spacer", foot, top, shape=ring))
-            stack.append(Seat("link", place - half, place + half, bar=bar))
+                stack.append(Seat(SPACER, foot, top, ring=ring))
+            stack.append(Seat(LINK, place - half, place + half, bar=bar))
             below = place
-        stack.append(Seat("cap", high, high + cap.height, shape=cap))
+        stack.append(Seat(CAP, high, high + cap.height, ring=cap))
         stacks.append(stack)
     return stacks

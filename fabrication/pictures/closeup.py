@@ -9,8 +9,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats, Ints
-from fabrication.formats.step import FAILED
-from fabrication.specs import Family, Placement, Role, TriangleMesh
+from fabrication.specs import Family, Kind, Placement, Role, TriangleMesh
 
 RISE_DEG: Final = 35.0
 """Height of the eye above the plane normal to the node's axis [deg]."""
@@ -30,13 +29,18 @@ _PULLED: Final = 0.75  # how far the other one is pulled off its seat, in node d
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A piece in the world: its role, how it looks (its role or "failed"), its mesh [mm]."""
+    """A piece in the world: its kind, whether it failed a check, its mesh [mm]."""
 
-    role: Role
-    look: str
+    kind: Kind
+    failed: bool
     placement: Placement
     vertices: Floats
     triangles: Ints
+
+    @property
+    def role(self) -> Role:
+        """What it is in the structure."""
+        return self.kind.role
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,17 +72,17 @@ def placed(
         mesh = meshes[family.number]
         for instance in family.instances:
             motion = instance.placement
-            look = FAILED if instance.mark in failed else family.role
+            red = instance.mark in failed
             vertices = mesh.vertices @ motion[:3, :3].T + motion[:3, 3]
-            pieces.append(Placed(family.role, look, motion, vertices, mesh.triangles))
+            pieces.append(Placed(family.kind, red, motion, vertices, mesh.triangles))
     return pieces
 
 
-def merged(pieces: Sequence[Placed]) -> dict[tuple[Role, str], tuple[Floats, Ints]]:
-    """Vertices and triangles of all pieces of one role that look the same, by (role, look)."""
-    groups: dict[tuple[Role, str], list[Placed]] = {}
+def merged(pieces: Sequence[Placed]) -> dict[tuple[Kind, bool], tuple[Floats, Ints]]:
+    """Vertices and triangles of the pieces of a kind that failed, or did not: by (kind, failed)."""
+    groups: dict[tuple[Kind, bool], list[Placed]] = {}
     for piece in pieces:
-        groups.setdefault((piece.role, piece.look), []).append(piece)
+        groups.setdefault((piece.kind, piece.failed), []).append(piece)
     return {key: joined(group) for key, group in groups.items()}
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats, Ints
-from fabrication.formats.step import COLOURS, FAILED
+from fabrication.export.step import FAILED_COLOR
 from fabrication.pictures.closeup import (
     REACH,
     Closeup,
@@ -23,7 +23,7 @@ from fabrication.pictures.closeup import (
     placed,
 )
 from fabrication.pictures.sheet import Pixels, compose, png
-from fabrication.specs import Family, TriangleMesh
+from fabrication.specs import Color, Family, Finish, Kind, TriangleMesh
 
 SIZE: Final = (1600, 1000)
 """Pixels across and down."""
@@ -40,14 +40,13 @@ NODE_SEEN: Final = 0.03
 NOTEBOOK_CHORD: Final = 0.5
 """Chord tolerance [mm] of meshes that are made only to be looked at."""
 
-_COLOURS: Final = {**COLOURS, "beam": (0.36, 0.42, 0.49), "panel": (0.36, 0.72, 0.76)}
-_LOOK: Final[dict[str, dict[str, float]]] = {
-    "beam": {"ambient": 0.35, "diffuse": 0.75, "specular": 0.20, "specular_power": 20},
-    "node": {"ambient": 0.45, "diffuse": 0.75, "specular": 0.25, "specular_power": 20},
-    "panel": {"ambient": 0.52, "diffuse": 0.52, "specular": 0.12, "specular_power": 6},
-    FAILED: {"ambient": 0.45, "diffuse": 0.70, "specular": 0.10, "specular_power": 10},
+_LOOK: Final[dict[Finish, dict[str, float]]] = {
+    "matte": {"ambient": 0.35, "diffuse": 0.75, "specular": 0.20, "specular_power": 20},
+    "bright": {"ambient": 0.45, "diffuse": 0.75, "specular": 0.25, "specular_power": 20},
+    "glass": {"ambient": 0.52, "diffuse": 0.52, "specular": 0.12, "specular_power": 6},
+    "plastic": {"ambient": 0.35, "diffuse": 0.75, "specular": 0.10, "specular_power": 8},
 }
-_PRINTED: Final = {"ambient": 0.35, "diffuse": 0.75, "specular": 0.10, "specular_power": 8}
+_FAILED: Final = {"ambient": 0.45, "diffuse": 0.70, "specular": 0.10, "specular_power": 10}
 _GLASS: Final = 0.42  # opacity of a pane; its far side is not drawn
 _GLASS_NEAR: Final = 0.30  # the same in the close-up
 _LIGHTS: Final = (((-0.8, 1.1, 0.6), 0.80), ((1.2, 0.3, 0.6), 0.35))  # right, up, back; strength
@@ -222,41 +221,49 @@ def _far_scene(
 ) -> list[tuple[Any, dict[str, Any]]]:
     """Meshes and looks of parts that are hardly wider than a pixel: nodes are dots."""
     actors = []
-    for (role, look), (vertices, triangles) in merged(pieces).items():
+    for (kind, failed), (vertices, triangles) in merged(pieces).items():
         mesh = _poly_data(pyvista, vertices, triangles)
-        actors.append((mesh, _appearance(role, look, _GLASS)))
-        if role == "beam":  # at least a pixel wide, also where a thin bar is seen from its edge
+        actors.append((mesh, _appearance(kind, failed, _GLASS)))
+        if (
+            kind.role == "beam"
+        ):  # at least a pixel wide, also where a thin bar is seen from its edge
             line = {"style": "wireframe", "line_width": _SAMPLES, "lighting": False}
-            ink = [_LINE * channel for channel in _COLOURS[look]]
+            ink = [_LINE * channel for channel in _color(kind, failed)]
             actors.append((mesh, {"color": ink, **line}))
-        if role == "node":
-            dots = [p.vertices.mean(axis=0) for p in pieces if (p.role, p.look) == (role, look)]
+        if kind.role == "node":
+            dots = [p.vertices.mean(axis=0) for p in pieces if (p.kind, p.failed) == (kind, failed)]
             cloud = pyvista.PolyData(np.array(dots, dtype=np.float32))
             width = _DOT * _SAMPLES * size[0] / SIZE[0]
             dot = {"point_size": width, "render_points_as_spheres": True, "lighting": False}
-            actors.append((cloud, {"color": _COLOURS[look], **dot}))
+            actors.append((cloud, {"color": _color(kind, failed), **dot}))
     return actors
 
 
 def _near_scene(pyvista: Any, pieces: Sequence[Placed]) -> list[tuple[Any, dict[str, Any]]]:
     """Meshes and looks of parts that are seen large: with drawn edges."""
     actors = []
-    for (role, look), (vertices, triangles) in merged(pieces).items():
+    for (kind, failed), (vertices, triangles) in merged(pieces).items():
         mesh = _poly_data(pyvista, vertices, triangles)
-        actors.append((mesh, _appearance(role, look, _GLASS_NEAR)))
+        actors.append((mesh, _appearance(kind, failed, _GLASS_NEAR)))
         edges = mesh.clean().extract_feature_edges(
             _CREASE_DEG, non_manifold_edges=False, manifold_edges=False
         )
-        dark = 0.55 if role == "panel" else 0.35
-        ink = [dark * channel for channel in _COLOURS[look]]
+        dark = 0.55 if kind.finish == "glass" else 0.35
+        ink = [dark * channel for channel in _color(kind, failed)]
         actors.append((edges, {"color": ink, "line_width": 1.5 * _SAMPLES, "lighting": False}))
     return actors
 
 
-def _appearance(role: str, look: str, glass: float) -> dict[str, Any]:
-    """Arguments of `add_mesh` for a role and a look; panes are seen through."""
-    pane = {"opacity": glass, "culling": "back"} if role == "panel" else {}
-    return {"color": _COLOURS[look], "smooth_shading": False, **_LOOK.get(look, _PRINTED), **pane}
+def _color(kind: Kind, failed: bool) -> Color:
+    """The color in which pieces of a kind are shown, or those that failed a check."""
+    return FAILED_COLOR if failed else kind.shown or kind.color
+
+
+def _appearance(kind: Kind, failed: bool, glass: float) -> dict[str, Any]:
+    """Arguments of `add_mesh` for pieces of a kind; panes are seen through."""
+    pane = {"opacity": glass, "culling": "back"} if kind.finish == "glass" else {}
+    look = _FAILED if failed else _LOOK[kind.finish]
+    return {"color": _color(kind, failed), "smooth_shading": False, **look, **pane}
 
 
 def _poly_data(pyvista: Any, vertices: Floats, triangles: Ints) -> Any:

@@ -1,6 +1,6 @@
-"""Shapes as solids: exact boundary, closed-form volume, triangle mesh, kernel solid.
+"""Shapes as solids: exact boundary, two volumes, triangle mesh, kernel solid. Knows no kind.
 
-Only `solid_of`, and what is said below of shapes without an exact boundary, load the CAD kernel.
+Only `solid_of`, and what is noted below of shapes without an exact boundary, load the CAD kernel.
 """
 
 from __future__ import annotations
@@ -8,27 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fabrication.linkspecs import LinkShape, PinShape, RingShape
-from fabrication.solids.beam import beam_boundary, beam_is_exact
-from fabrication.solids.boundary import Boundary
-from fabrication.solids.coupon import coupon_boundary, coupon_volume
+from fabrication.boundary import Boundary, Cut
 from fabrication.solids.kernel import is_valid, kernel_properties, load_kernel, solid_from
-from fabrication.solids.link import link_boundary, link_volume
-from fabrication.solids.node import drills, node_boundary, node_is_exact
-from fabrication.solids.panel import panel_boundary
-from fabrication.solids.pin import pin_boundary, pin_volume, ring_boundary, ring_volume
 from fabrication.solids.properties import properties
-from fabrication.solids.quadrature import beam_volume, node_volume, panel_volume
 from fabrication.solids.tessellate import CHORD, tessellate
-from fabrication.specs import (
-    BeamShape,
-    LinkageShape,
-    NodeShape,
-    PanelShape,
-    Properties,
-    Shape,
-    TriangleMesh,
-)
+from fabrication.specs import Properties, Shape, TriangleMesh
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Solid
@@ -63,33 +47,8 @@ def boundary_of(shape: Shape) -> Boundary | None:
     DetailError
         The shape is impossible: cuts that cross, seats, holes or corners that do not fit.
     """
-    if isinstance(shape, BeamShape):
-        return beam_boundary(shape) if beam_is_exact(shape) else None
-    if isinstance(shape, NodeShape):
-        return node_boundary(shape) if node_is_exact(shape) else None
-    if isinstance(shape, PanelShape):
-        return panel_boundary(shape)
-    return _linkage_boundary(shape)
-
-
-def _linkage_boundary(shape: LinkageShape) -> Boundary:
-    """Exact boundary of a part of a linkage; there always is one."""
-    if isinstance(shape, LinkShape):
-        return link_boundary(shape)
-    if isinstance(shape, PinShape):
-        return pin_boundary(shape)
-    if isinstance(shape, RingShape):
-        return ring_boundary(shape)
-    return coupon_boundary(shape)
-
-
-def _blank_of(shape: BeamShape | NodeShape) -> Boundary:
-    """Exact boundary of a shape before its cuts by the kernel; checks the whole shape."""
-    from fabrication.solids.booleans import beam_blank
-
-    if isinstance(shape, BeamShape):
-        return beam_blank(shape)
-    return node_boundary(shape, blank=True)
+    geometry = shape.geometry()
+    return geometry if isinstance(geometry, Boundary) else None
 
 
 def second_volume_of(shape: Shape) -> float:
@@ -97,19 +56,7 @@ def second_volume_of(shape: Shape) -> float:
 
     Trusts the shape; `boundary_of` is what finds an impossible one.
     """
-    if isinstance(shape, BeamShape):
-        return beam_volume(shape)
-    if isinstance(shape, NodeShape):
-        return node_volume(shape)
-    if isinstance(shape, PanelShape):
-        return panel_volume(shape)
-    if isinstance(shape, LinkShape):
-        return link_volume(shape)
-    if isinstance(shape, PinShape):
-        return pin_volume(shape)
-    if isinstance(shape, RingShape):
-        return ring_volume(shape)
-    return coupon_volume(shape)
+    return shape.second_volume()
 
 
 def volume_of(shape: Shape) -> float:
@@ -121,11 +68,39 @@ def volume_of(shape: Shape) -> float:
         The shape is impossible.
     """
     boundary = boundary_of(shape)
-    if boundary is not None:
-        return properties(boundary).volume
-    assert isinstance(shape, BeamShape | NodeShape)
-    _blank_of(shape)
-    return second_volume_of(shape)
+    return shape.second_volume() if boundary is None else properties(boundary).volume
+
+
+def genus_of(shape: Shape) -> int:
+    """Number of handles (through openings); never loads the kernel.
+
+    Raises
+    ------
+    DetailError
+        The shape is impossible.
+    """
+    return shape.geometry().genus
+
+
+def solid_of(shape: Shape) -> TopoDS_Solid:
+    """Kernel solid of a shape in its own frame: one closed, outward oriented shell.
+
+    Raises
+    ------
+    DetailError
+        The shape is impossible.
+    KernelError
+        The kernel is missing, of another build, or fails.
+    """
+    return _solid(shape.geometry())
+
+
+def _solid(geometry: Boundary | Cut) -> TopoDS_Solid:
+    if isinstance(geometry, Boundary):
+        return solid_from(geometry)
+    from fabrication.solids.booleans import cut_solid
+
+    return cut_solid(geometry)
 
 
 def properties_of(shape: Shape) -> Properties:
@@ -140,32 +115,16 @@ def properties_of(shape: Shape) -> Properties:
     KernelError
         The kernel is needed and missing, of another build, or fails.
     """
-    boundary = boundary_of(shape)
-    if boundary is not None:
-        return properties(boundary)
-    measured = kernel_properties(solid_of(shape), adaptive=True)
-    return Properties(second_volume_of(shape), measured.area, measured.centroid)
+    geometry = shape.geometry()
+    if isinstance(geometry, Boundary):
+        return properties(geometry)
+    return _measured(shape, _solid(geometry))
 
 
-def solid_of(shape: Shape) -> TopoDS_Solid:
-    """Kernel solid of a shape in its own frame: one closed, outward oriented shell.
-
-    Raises
-    ------
-    DetailError
-        The shape is impossible.
-    KernelError
-        The kernel is missing, of another build, or fails.
-    """
-    boundary = boundary_of(shape)
-    if boundary is not None:
-        return solid_from(boundary)
-    from fabrication.solids.booleans import beam_solid, node_solid
-
-    if isinstance(shape, BeamShape):
-        return beam_solid(shape)
-    assert isinstance(shape, NodeShape)
-    return node_solid(shape)
+def _measured(shape: Shape, solid: TopoDS_Solid) -> Properties:
+    """Area and centroid of a cut solid by the kernel, its volume by quadrature."""
+    measured = kernel_properties(solid, adaptive=True)
+    return Properties(shape.second_volume(), measured.area, measured.centroid)
 
 
 def mesh_of(shape: Shape, chord: float = CHORD) -> TriangleMesh:
@@ -180,31 +139,12 @@ def mesh_of(shape: Shape, chord: float = CHORD) -> TriangleMesh:
     KernelError
         The kernel is needed and missing, of another build, or fails.
     """
-    boundary = boundary_of(shape)
-    if boundary is not None:
-        return tessellate(boundary, chord)
+    geometry = shape.geometry()
+    if isinstance(geometry, Boundary):
+        return tessellate(geometry, chord)
     from fabrication.solids.booleans import kernel_mesh
 
-    return kernel_mesh(solid_of(shape), chord)
-
-
-def genus_of(shape: Shape) -> int:
-    """Number of handles (through openings); never loads the kernel.
-
-    Raises
-    ------
-    DetailError
-        The shape is impossible.
-    """
-    boundary = boundary_of(shape)
-    if boundary is not None:
-        return boundary.genus
-    assert isinstance(shape, BeamShape | NodeShape)
-    # A cope changes no handle, nor does a blind hole; each hole into the bore adds one.
-    genus = _blank_of(shape).genus
-    if isinstance(shape, NodeShape):
-        genus += sum(drill.bottom is None for drill in drills(shape))
-    return genus
+    return kernel_mesh(_solid(geometry), chord)
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,18 +170,17 @@ def realise(shape: Shape, chord: float = CHORD, *, solid: bool = True) -> Realis
     KernelError
         The kernel is needed and missing, of another build, or fails.
     """
-    boundary = boundary_of(shape)
-    if boundary is not None:
+    geometry = shape.geometry()
+    if isinstance(geometry, Boundary):
         return Realised(
-            boundary,
-            solid_from(boundary) if solid else None,
-            properties(boundary),
-            tessellate(boundary, chord),
-            boundary.genus,
+            geometry,
+            solid_from(geometry) if solid else None,
+            properties(geometry),
+            tessellate(geometry, chord),
+            geometry.genus,
         )
     from fabrication.solids.booleans import kernel_mesh
 
-    body = solid_of(shape)
-    measured = kernel_properties(body, adaptive=True)
-    exact = Properties(second_volume_of(shape), measured.area, measured.centroid)
-    return Realised(None, body, exact, kernel_mesh(body, chord), genus_of(shape))
+    body = _solid(geometry)
+    measured = _measured(shape, body)
+    return Realised(None, body, measured, kernel_mesh(body, chord), geometry.genus)

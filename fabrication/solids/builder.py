@@ -11,9 +11,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from fabrication.solids.boundary import Boundary
+from fabrication.boundary import Boundary, Vec
 
-Vec: TypeAlias = tuple[float, float, float]
 Coedges: TypeAlias = list[int]
 
 

@@ -11,8 +11,7 @@ import numpy as np
 
 from ddgfab.errors import KernelError
 from ddgfab.mesh import Floats
-from fabrication.solids.boundary import Boundary, cross_rows
-from fabrication.solids.builder import Vec
+from fabrication.boundary import Boundary, Vec, cross_rows
 from fabrication.specs import Properties
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fabrication.solids.boundary import Boundary, cross_rows
+from fabrication.boundary import Boundary, cross_rows
 from fabrication.solids.section import GAUSS_NODES, gauss
 from fabrication.specs import Properties
 

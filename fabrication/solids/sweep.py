@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from fabrication.solids.builder import BoundaryBuilder, Coedges, Vec, add, principal_axes, scale
+from fabrication.boundary import Vec
+from fabrication.solids.builder import BoundaryBuilder, Coedges, add, principal_axes, scale
 from fabrication.solids.section import Segment
 
 Frame: TypeAlias = Callable[[float, float, float], Vec]

@@ -13,7 +13,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from ddgfab.mesh import Floats, Ints
-from fabrication.solids.boundary import Boundary, cross_rows
+from fabrication.boundary import Boundary, cross_rows
 from fabrication.specs import TriangleMesh
 
 CHORD = 0.05

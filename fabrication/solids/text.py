@@ -12,8 +12,8 @@ from functools import lru_cache
 from typing import Final, TypeAlias
 
 from ddgfab.errors import DetailError
-from fabrication.linkspecs import Label
-from fabrication.solids.builder import BoundaryBuilder, Coedges, Vec, add, cross, opposite, scale
+from fabrication.boundary import Vec
+from fabrication.solids.builder import BoundaryBuilder, Coedges, add, cross, opposite, scale
 
 Dot: TypeAlias = tuple[int, int]
 Ring: TypeAlias = tuple[Dot, ...]
@@ -45,6 +45,22 @@ GLYPHS: Final[dict[str, str]] = {
     " ": "0 0 0 0 0",
 }
 """Rows of dots from top to bottom. No two dots touch at a corner only: that is no solid."""
+
+
+@dataclass(frozen=True)
+class Label:
+    """A short text of square dots on a flat face.
+
+    text : what is written; the glyphs that exist are those of `GLYPHS`
+    unit : side of a dot [mm]: the width of a stroke, and of the gaps within a letter
+    depth : how deep the text is engraved [mm]; negative: how far it stands out
+    stacked : letters stand one below the other along the bar instead of beside each other
+    """
+
+    text: str
+    unit: float
+    depth: float
+    stacked: bool = False
 
 
 @dataclass(frozen=True)

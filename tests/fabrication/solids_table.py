@@ -7,20 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from fabrication.linkspecs import CouponShape, Label, LinkShape, PinShape, RingShape
-from fabrication.specs import (
-    BeamShape,
-    CrossHole,
-    EndCut,
-    Loop,
-    NodeShape,
-    PanelShape,
-    Profile,
-    RadialHole,
-    ReferenceMark,
-    Seat,
-    Shape,
-)
+from fabrication.parts.beam import BeamShape, CrossHole, EndCut
+from fabrication.parts.coupon import CouponShape
+from fabrication.parts.link import LinkShape
+from fabrication.parts.node import NodeShape, RadialHole, ReferenceMark, Seat
+from fabrication.parts.panel import PanelShape
+from fabrication.parts.pin import PinShape
+from fabrication.parts.ring import RingShape
+from fabrication.solids.text import Label
+from fabrication.specs import Loop, Profile, Shape
 
 QUARTER = math.tan(math.pi / 8)  # bulge of a quarter circle
 

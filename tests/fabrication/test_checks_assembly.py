@@ -8,11 +8,13 @@ import time
 import manifold3d
 import numpy as np
 import pytest
+from gridshell_kinds import KINDS
 
 from ddgfab.errors import KernelError
 from fabrication.checks.assembly import check_assembly, examine_assembly
 from fabrication.checks.mesh import to_manifold
-from fabrication.specs import Family, Instance, PanelShape, Role, TriangleMesh
+from fabrication.parts.panel import PanelShape
+from fabrication.specs import Family, Instance, Role, TriangleMesh
 
 SHAPE = PanelShape(1.0, np.zeros((4, 2)), np.zeros((4, 2)))  # never looked at: meshes are given
 
@@ -35,7 +37,7 @@ def at(x: float, y: float, z: float) -> np.ndarray:
 
 
 def family(number: str, role: Role, *instances: tuple[str, np.ndarray]) -> Family:
-    return Family(number, role, SHAPE, tuple(Instance(m, p) for m, p in instances), 0.0)
+    return Family(number, KINDS[role], SHAPE, tuple(Instance(m, p) for m, p in instances), 0.0)
 
 
 def faults(checks: dict[str, list]) -> dict[str, list[tuple[str, float]]]:

@@ -13,20 +13,11 @@ from scipy.spatial.transform import Rotation
 
 from ddgfab.mesh import Floats
 from fabrication.families import cluster, families
-from fabrication.shapes import fibre_ends, panel_variants
-from fabrication.specs import (
-    Beam,
-    BeamShape,
-    Check,
-    EndCut,
-    Family,
-    Node,
-    NodeShape,
-    Panel,
-    PanelShape,
-    Piece,
-    Seat,
-)
+from fabrication.gridshell.pieces import Beam, Node, Panel
+from fabrication.parts.beam import BeamShape, EndCut, fibre_ends
+from fabrication.parts.node import NodeShape, Seat
+from fabrication.parts.panel import PanelShape, panel_variants
+from fabrication.specs import Check, Family, Piece
 from fabrication.standards import polygon, profile
 from fabrication.standards.profiles import z_range
 
@@ -151,7 +142,7 @@ def test_a_polygon_without_first_coefficient_still_has_a_frame() -> None:
     pieces = (panel(0, star), panel(1, np.roll(rotated(star, 1.0), 1, axis=0)))
     assert len(families(pieces)) == 1
     bow = np.array([[0, 0], [10, 0], [10, 10], [0, 10.0]])
-    one = panel_variants([panel(0, bow[[0, 2, 1, 3]])])  # crossing: coefficient zero
+    one = panel_variants([panel(0, bow[[0, 2, 1, 3]]).shape])  # crossing: coefficient zero
     assert np.isfinite(one.points).all()
 
 

@@ -11,8 +11,8 @@ from detailing_cases import Case, central, dome, fan, grid, hexagons, placed, ve
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
 from fabrication.gridshell.detailing import Gridshell
-from fabrication.shapes import fibre_ends
-from fabrication.specs import Beam
+from fabrication.gridshell.pieces import Beam
+from fabrication.parts.beam import fibre_ends
 from fabrication.standards.profiles import z_range
 
 CASES = {

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Mesh, unit
 from fabrication.gridshell.detailing.radius import least_radii
-from fabrication.shapes import fibre_ends
+from fabrication.parts.beam import fibre_ends
 from fabrication.standards import node_diameters
 
 NO_GLASS = {"kind": "none"}

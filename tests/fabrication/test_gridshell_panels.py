@@ -14,9 +14,9 @@ from ddgfab.mesh import Floats, Mesh
 from fabrication.gridshell.detailing import Gridshell
 from fabrication.gridshell.detailing.clearance import steel_heights
 from fabrication.gridshell.detailing.frames import edge_frames
-from fabrication.gridshell.detailing.outline import area, least_rectangle, turns
 from fabrication.gridshell.detailing.panels import face_planes
-from fabrication.specs import Panel
+from fabrication.gridshell.pieces import Panel
+from fabrication.solids.polygon import area, least_rectangle, turns
 
 
 def side(panel: Panel, edge: int, outer: bool) -> Floats:

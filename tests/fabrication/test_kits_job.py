@@ -16,16 +16,17 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError, OutputError
+from fabrication.checks.file import read_step
 from fabrication.checks.mesh import measure_mesh, to_manifold
-from fabrication.formats.step.read import read_step
-from fabrication.formats.stl import read_stl
-from fabrication.formats.threemf import read_threemf
+from fabrication.export.stl import read_stl
+from fabrication.export.threemf import read_threemf
 from fabrication.kits.job import make_kit
 from fabrication.linkage.kit import Kit, kit
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM
+from fabrication.parts.link import LinkShape
 from fabrication.pipeline import JobResult
-from fabrication.specs import Link, LinkShape, TriangleMesh
+from fabrication.specs import TriangleMesh
 
 POSES = 50
 COAXIAL_MM = 1e-6
@@ -92,7 +93,7 @@ def test_asked_for_a_larger_range_other_levels_and_bars_are_tried() -> None:
 def test_placements_follow_the_kinematics(bennett: Kit) -> None:
     angles = bennett.angles(7)
     motions = bennett.motions(angles)
-    links = [piece for piece in bennett.linkage.pieces if isinstance(piece, Link)]
+    links = bennett.linkage.links
     poses = bennett.mechanism.poses(angles)
     for link in links:
         for end, hinge in enumerate(link.hinges):
@@ -190,7 +191,7 @@ def test_bores_of_the_step_files_are_coaxial_with_the_pins(bennett: Kit, made: J
     for hinge, stack in enumerate(bennett.linkage.stacks):
         point, axis = poses.points[:, hinge], poses.axes[:, hinge]
         for item in stack:
-            radius = {"link": settings.bore, "pin": settings.pin_diameter}.get(item.role)
+            radius = {"link": settings.bore, "pin": settings.pin_diameter}.get(item.kind.role)
             if radius is None:
                 continue
             gaps = []
@@ -216,7 +217,7 @@ def cylinders(path: Path) -> list[tuple[np.ndarray, np.ndarray, float]]:
     from OCP.TopoDS import TopoDS
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
-    from fabrication.formats.step.xcaf import free_labels, read_document
+    from fabrication.export.xcaf import free_labels, read_document
 
     document, _ = read_document(path)
     found = []

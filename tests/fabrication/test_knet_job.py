@@ -21,7 +21,7 @@ from ddgfab.support.asymptotic import surface_normals
 from fabrication import design, make
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.detailing import Gridshell
-from fabrication.specs import Beam
+from fabrication.gridshell.pieces import Beam
 from fabrication.standards.profiles import z_range
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"

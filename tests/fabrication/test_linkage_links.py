@@ -16,8 +16,8 @@ from ddgfab.errors import DetailError, InputError, ProjectError
 from ddgfab.linkages import Mechanism, knet_mechanism
 from ddgfab.nets import amsler
 from fabrication.checks.mesh import to_manifold
+from fabrication.export.step import Header, Material
 from fabrication.families import families
-from fabrication.formats.step import Header, Material
 from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
 from fabrication.linkage.coupon import coupon_shape
 from fabrication.linkage.facing import facings
@@ -30,10 +30,14 @@ from fabrication.linkage.links import (
     link_checks,
     touching_parts,
 )
+from fabrication.linkage.pieces import Fitting, Link, Pin
 from fabrication.linkage.settings import settings_for
-from fabrication.linkspecs import CouponShape, Label, LinkShape, PinShape, RingShape
+from fabrication.parts.coupon import COUPON, CouponShape
+from fabrication.parts.link import LINK, LinkShape
+from fabrication.parts.pin import PinShape
+from fabrication.parts.ring import SPACER, RingShape
 from fabrication.solids import boundary_of, mesh_of
-from fabrication.specs import Fitting, Link, Pin
+from fabrication.solids.text import Label
 from fabrication.standards import Printer, printer, printer_keys
 
 
@@ -83,7 +87,6 @@ def test_eyes_pins_and_fittings_are_coaxial_in_every_pose(made: Linkage) -> None
                 assert np.abs(np.cross(axes, pose.axes[hinges])).max() < 1e-9
             else:
                 assert isinstance(piece, Pin | Fitting)
-                assert piece.hinge is not None
                 axis = pose.axes[piece.hinge]
                 away = at[:3, 3] - pose.points[piece.hinge]
                 assert np.abs(np.cross(away, axis)).max() < 1e-9
@@ -110,7 +113,7 @@ def test_stacks_keep_the_gap_and_pins_hold_them(made: Linkage) -> None:
     for hinge, stack in enumerate(made.stacks):
         pin, *rest = stack
         assert pin.mark == f"H-{hinge:04d}"
-        assert {item.mark for item in rest if item.role == "link"} == {
+        assert {item.mark for item in rest if item.kind == LINK} == {
             f"L-{bar:04d}" for bar in np.flatnonzero((mechanism.bars == hinge).any(axis=1))
         }
         spans = [span(item.mark, hinge) for item in rest]
@@ -227,16 +230,16 @@ def test_equal_strips_of_a_net_take_two_links() -> None:
     found = kit(net(3, 3))
     links = [family for family in found.families if family.role == "link"]
     assert [len(family.instances) for family in links] == [12, 12]
-    hands = [np.sign(family.shape.twist) for family in links]  # type: ignore[union-attr]
+    hands = [np.sign(family.shape.twist) for family in links]
     assert hands == [1.0, -1.0] or hands == [-1.0, 1.0]
 
 
 def test_links_of_other_length_twist_or_level_are_other_parts() -> None:
-    links = [piece for piece in kit().pieces if isinstance(piece, Link)]
+    links = list(kit().links)
     assert len(families(links, 1e-6)) == 2
     levels = next(iter(slanted_levels(loop())))
     found = detail_linkage(loop(), settings_for(), levels)
-    assert {tuple(sorted(piece.levels)) for piece in found.pieces if isinstance(piece, Link)} <= {
+    assert {tuple(sorted(piece.levels)) for piece in found.links} <= {
         (0, 0), (0, 1), (1, 1),
     }  # fmt: skip
 
@@ -244,12 +247,12 @@ def test_links_of_other_length_twist_or_level_are_other_parts() -> None:
 def test_spacers_fill_empty_levels() -> None:
     levels = np.array([[0, 0], [0, 0], [3, 3], [3, 3]])
     found = detail_linkage(loop(), settings_for(), levels)
-    rings = [p for p in found.pieces if isinstance(p, Fitting) and p.role == "spacer"]
+    rings = [p for p in found.fittings if p.kind == SPACER]
     # Levels 1 and 2 are empty: two eyes and the gap between them.
     assert len(rings) == 4
     assert all(isinstance(p.shape, RingShape) for p in rings)
-    assert {round(p.shape.height, 9) for p in rings} == {12.4}  # type: ignore[union-attr]
-    assert [item.role for item in found.stacks[0]] == [
+    assert {round(p.shape.height, 9) for p in rings} == {12.4}
+    assert [item.kind.role for item in found.stacks[0]] == [
         "pin", "cap", "link", "spacer", "link", "cap",
     ]  # fmt: skip
 
@@ -273,21 +276,20 @@ def test_parts_that_touch_whatever_the_levels_are_named() -> None:
 
 # --- labels and coupon ---------------------------------------------------------------------------
 def test_labels_are_legible_where_there_is_room_and_can_be_left_out() -> None:
-    shape = next(p.shape for p in kit().pieces if isinstance(p, Link))
+    shape = kit().links[0].shape
     assert shape.label is not None
     assert 5 * shape.label.unit == pytest.approx(4.0)  # letters of 4 mm
     assert shape.label.unit >= settings_for().printer.stroke
-    assert all(p.shape.label is None for p in kit(label="none").pieces if isinstance(p, Link))
+    assert all(p.shape.label is None for p in kit(label="none").links)
     raised = kit(label="embossed")
-    assert all(p.shape.label.depth < 0 for p in raised.pieces if isinstance(p, Link))  # type: ignore[union-attr]
+    assert all(p.shape.label.depth < 0 for p in raised.links)
 
 
 def test_links_report_their_thinnest_places() -> None:
-    for piece in kit().pieces:
-        if isinstance(piece, Link):
-            checks = {check.name: (check.value, check.limit) for check in piece.checks}
-            assert checks == {"wall_mm": (3.3, 1.2), "bar_mm": (4.4, 1.2), "stroke_mm": (0.8, 0.6)}
-            assert all(check.passed for check in piece.checks)
+    for piece in kit().links:
+        checks = {check.name: (check.value, check.limit) for check in piece.checks}
+        assert checks == {"wall_mm": (3.3, 1.2), "bar_mm": (4.4, 1.2), "stroke_mm": (0.8, 0.6)}
+        assert all(check.passed for check in piece.checks)
     weak = settings_for(label="none")
     shape = LinkShape(60.0, 0.5, 0.0, 0.0, 10.0, 6.0, (8.0, 3.4), 1.0, 5.0)
     assert [check.passed for check in link_checks(shape, None, weak)] == [False, False]
@@ -295,7 +297,7 @@ def test_links_report_their_thinnest_places() -> None:
 
 def test_bars_too_small_for_a_label_go_without_and_say_so() -> None:
     found = kit(bar_width=2.0, bar_height=2.0)
-    assert all(p.shape.label is None for p in found.pieces if isinstance(p, Link))
+    assert all(p.shape.label is None for p in found.links)
     assert found.notes == (
         "LP-001 has no label: its bar is too small for legible letters",
         "LP-002 has no label: its bar is too small for legible letters",
@@ -340,7 +342,7 @@ def test_the_thickest_pin_that_is_named_is_taken() -> None:
 
 def test_a_kit_holds_one_coupon_and_its_pin_or_none() -> None:
     found = kit()
-    assert [p.mark for p in found.pieces if p.role == "coupon"] == ["T-0000"]
+    assert [p.mark for p in found.pieces if p.kind == COUPON] == ["T-0000"]
     assert isinstance(found.pieces[-2].shape, CouponShape)
     assert found.pieces[-1].mark == "T-0001"
     assert not any(p.mark.startswith("T") for p in kit(coupon=False).pieces)
@@ -415,7 +417,7 @@ def test_every_part_passes_every_check_of_solid_mesh_and_files(name: str, tmp_pa
         materials={family.role: Material("PLA", 1240.0) for family in found.families},
     )
     for family in found.families:
-        result = make_part(PartJob(family.number, family.role, family.shape), settings)
+        result = make_part(PartJob(family.number, family.kind, family.shape), settings)
         task = (result.number, result.properties.volume, result.mesh, result.files)
         checks = (*result.checks, *verify_parts([task])[0][result.number])
         assert all(check.passed for check in checks), [c for c in checks if not c.passed]
@@ -425,14 +427,14 @@ def test_a_cube_takes_three_levels() -> None:
     mechanism = box()
     levels = mechanism.directions[:, None].repeat(2, axis=1)
     found = detail_linkage(mechanism, settings_for(), levels)
-    assert {len([i for i in stack if i.role == "link"]) for stack in found.stacks} == {3}
-    assert not any(p.role == "spacer" for p in found.pieces)
+    assert {len([i for i in stack if i.kind == LINK]) for stack in found.stacks} == {3}
+    assert not any(p.kind == SPACER for p in found.pieces)
 
 
 def test_labels_tell_how_links_go_on_their_pins(made: Linkage) -> None:
     """From the meshes in place: on which side of the bar the letters are, and towards which end."""
     pose = made.mechanism.pose(made.mechanism.design)
-    hinges = {piece.mark: piece.hinges for piece in made.pieces if isinstance(piece, Link)}
+    hinges = {piece.mark: piece.hinges for piece in made.links}
     found = facings(made)
     assert set(found) == set(hinges)
     for family in made.families:

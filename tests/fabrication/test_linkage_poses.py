@@ -15,6 +15,9 @@ from fabrication.linkage.poses import check_poses, limit_on_pin
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.linkage.settings import settings_for
 from fabrication.motion.free_range import free_motion, poses_to_confirm, standing
+from fabrication.parts.link import LINK
+from fabrication.parts.pin import PIN
+from fabrication.parts.ring import CAP
 from fabrication.solids import mesh_of
 from fabrication.specs import TriangleMesh
 
@@ -94,10 +97,10 @@ def test_a_mesh_with_a_hole_is_named(loop: Kit) -> None:
 
 def test_limits_on_a_pin_are_those_of_the_settings() -> None:
     settings = settings_for()
-    assert limit_on_pin(settings, "link", "pin") == settings.clearance == 0.2
-    assert limit_on_pin(settings, "pin", "cap") == 0
-    assert limit_on_pin(settings, "link", "link") == 0.1
-    assert limit_on_pin(settings, "cap", "link") == 0.1
+    assert limit_on_pin(settings, LINK, PIN) == settings.clearance == 0.2
+    assert limit_on_pin(settings, PIN, CAP) == 0
+    assert limit_on_pin(settings, LINK, LINK) == 0.1
+    assert limit_on_pin(settings, CAP, LINK) == 0.1
 
 
 def test_a_crab_opens() -> None:

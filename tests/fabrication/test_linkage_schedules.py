@@ -140,7 +140,7 @@ def test_every_part_is_listed_once_and_put_on_once(linkage: Linkage) -> None:
     assert sorted(marks) == sorted(piece.mark for piece in linkage.pieces)
     put_on = Counter(row["part"] for row in tables["assembly"])
     for piece in linkage.pieces:
-        hinges = {"link": 2, "coupon": 0}.get(piece.role, 1)
+        hinges = {"link": 2, "coupon": 0}.get(piece.kind.role, 1)
         if piece.mark == "T-0001":  # the coupon's pin
             hinges = 0
         assert put_on[piece.mark] == hinges

@@ -14,9 +14,12 @@ import pytest
 
 from ddgfab.errors import OutputError
 from fabrication.gridshell import design as designs
+from fabrication.parts.beam import BEAM
+from fabrication.parts.node import NODE, NodeShape
+from fabrication.parts.panel import PANEL, PanelShape
 from fabrication.pictures import closeup, preview, sheet
 from fabrication.solids import mesh_of
-from fabrication.specs import Family, Instance, NodeShape, PanelShape, TriangleMesh
+from fabrication.specs import Family, Instance, TriangleMesh
 
 SIZE = (400, 250)
 SHAPE = PanelShape(1.0, np.zeros((4, 2)), np.zeros((4, 2)))
@@ -43,9 +46,9 @@ def scene() -> tuple[list[Family], dict[str, TriangleMesh]]:
         "PP-1": block(400, 400, 9),
     }
     return [
-        Family("BP-1", "beam", SHAPE, (Instance("B-0", at(0, 0, 0)),), 0.0),
-        Family("NP-1", "node", SHAPE, (Instance("N-0", at(600, 0, 0)),), 0.0),
-        Family("PP-1", "panel", SHAPE, (Instance("P-0", at(0, 600, 0)),), 0.0),
+        Family("BP-1", BEAM, SHAPE, (Instance("B-0", at(0, 0, 0)),), 0.0),
+        Family("NP-1", NODE, SHAPE, (Instance("N-0", at(600, 0, 0)),), 0.0),
+        Family("PP-1", PANEL, SHAPE, (Instance("P-0", at(0, 600, 0)),), 0.0),
     ], meshes
 
 
@@ -90,8 +93,8 @@ def test_merging_places_every_instance_and_sets_failed_ones_apart() -> None:
     families, meshes = scene()
     pieces = closeup.placed(families, meshes, frozenset({"N-0"}))
     merged = closeup.merged(pieces)
-    assert list(merged) == [("beam", "beam"), ("node", "failed"), ("panel", "panel")]
-    vertices, triangles = merged["node", "failed"]
+    assert list(merged) == [(BEAM, False), (NODE, True), (PANEL, False)]
+    vertices, triangles = merged[NODE, True]
     np.testing.assert_allclose(vertices.min(axis=0), [600, 0, 0])
     assert triangles.max() == len(vertices) - 1
     both, all_triangles = closeup.joined(pieces)
@@ -235,7 +238,7 @@ def in_a_fresh_interpreter(lines: str) -> None:
     """Run a program that knows this module as t, without a display; it must say nothing."""
     folders = [str(Path(__file__).parent), str(Path(__file__).parents[2])]
     program = f"import sys; sys.path[:0] = {folders!r}\n"
-    program += f"import test_pictures_preview as t; from pathlib import Path\n{lines}\n"
+    program += f"import test_export_preview as t; from pathlib import Path\n{lines}\n"
     env = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     done = subprocess.run(
         [sys.executable, "-c", program], env=env, capture_output=True, text=True, timeout=120

@@ -10,8 +10,8 @@ import pytest
 from solids_table import BEAMS, CUT, EXACT, NODES
 
 from ddgfab.errors import DegenerateError
+from fabrication.boundary import Boundary
 from fabrication.solids import boundary_of, genus_of
-from fabrication.solids.boundary import Boundary
 from fabrication.solids.builder import principal_axes
 
 

@@ -11,17 +11,11 @@ import pytest
 from solids_table import FLAT, FREE, QUAD, RHS, T_BAR, TUBE, beam, node, panel
 
 from ddgfab.errors import DetailError
+from fabrication.parts.beam import CrossHole, EndCut
+from fabrication.parts.node import NodeShape, RadialHole, ReferenceMark, Seat
+from fabrication.parts.panel import PanelShape
 from fabrication.solids import boundary_of, volume_of
-from fabrication.specs import (
-    CrossHole,
-    EndCut,
-    NodeShape,
-    PanelShape,
-    RadialHole,
-    ReferenceMark,
-    Seat,
-    Shape,
-)
+from fabrication.specs import Shape
 
 
 def hole(x: float, z: float, d: float = 13.0) -> tuple[CrossHole, ...]:

@@ -76,10 +76,11 @@ def test_cut_parts(name: str) -> None:
 @pytest.mark.slow
 def test_a_cut_agrees_with_the_exact_boundary() -> None:
     # A profile that needs no cut, sent through the booleans all the same.
-    from fabrication.solids.booleans import beam_solid
+    from fabrication.parts.beam.boundary import beam_cut
+    from fabrication.solids.booleans import cut_solid
 
     shape = BEAMS["box coped holes"][0]
-    solid = beam_solid(shape)
+    solid = cut_solid(beam_cut(shape))
     assert is_valid(solid)
     here, there = properties_of(shape), kernel_properties(solid, adaptive=True)
     assert there.volume == pytest.approx(here.volume, rel=1e-9)

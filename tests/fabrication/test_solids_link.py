@@ -13,12 +13,12 @@ from solids_table import LINKS, link
 from ddgfab.errors import DetailError
 from fabrication.checks.mesh import check_mesh, to_manifold
 from fabrication.linkage.bodies import link_body
-from fabrication.linkspecs import Label, LinkShape
+from fabrication.parts.link import LinkShape
+from fabrication.parts.link.frame import bar_corners, bar_radius, label_room
 from fabrication.solids import boundary_of, mesh_of, properties_of, second_volume_of, volume_of
-from fabrication.solids.linkframe import bar_corners, bar_radius, label_room
 from fabrication.solids.properties import properties
 from fabrication.solids.tessellate import tessellate
-from fabrication.solids.text import GLYPHS, text_dots, text_outlines, text_size
+from fabrication.solids.text import GLYPHS, Label, text_dots, text_outlines, text_size
 
 
 def axis_of(shape: LinkShape, end: int) -> tuple[np.ndarray, np.ndarray]:

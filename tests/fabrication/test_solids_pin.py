@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import DetailError
-from fabrication.linkspecs import CouponShape, Label, PinShape, RingShape
+from fabrication.parts.coupon import CouponShape, bore_row, coupon_size
+from fabrication.parts.pin import PinShape
+from fabrication.parts.ring import RingShape
 from fabrication.solids import boundary_of, mesh_of, properties_of, volume_of
-from fabrication.solids.coupon import bore_row, coupon_size
-from fabrication.specs import LinkageShape
+from fabrication.solids.text import Label
+from fabrication.specs import Shape
 
 
 def test_pin_by_hand() -> None:
@@ -73,7 +75,7 @@ def test_coupon_bores_stay_off_labels_and_borders() -> None:
         (CouponShape((3.2,), 5.0, 14.0, 6.0, (Label("1068", 0.6, 0.5),)), '"1068"'),
     ],
 )
-def test_what_does_not_fit_is_said(shape: LinkageShape, words: str) -> None:
+def test_what_does_not_fit_is_said(shape: Shape, words: str) -> None:
     with pytest.raises(DetailError) as error:
         boundary_of(shape)
     assert words in str(error.value)

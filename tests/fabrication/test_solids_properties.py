@@ -10,10 +10,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 from solids_table import BEAMS, CUT, EXACT, FLAT, NODES, PANELS, beam
 
+from fabrication.parts.beam import BeamShape, EndCut
+from fabrication.parts.node import NodeShape
+from fabrication.parts.panel import PanelShape
 from fabrication.solids import boundary_of, properties_of, second_volume_of, volume_of
 from fabrication.solids.properties import properties
 from fabrication.solids.section import section_area
-from fabrication.specs import BeamShape, EndCut, Loop, NodeShape, PanelShape, Shape
+from fabrication.specs import Loop, Shape
 
 
 def scaled(shape: Shape, f: float) -> Shape:

@@ -11,11 +11,12 @@ import pytest
 from solids_table import FLAT, FREE, HOLES, RHS, T_BAR, beam
 
 from ddgfab.errors import DetailError
-from fabrication.formats.step import Header, Material
+from fabrication.export.step import Header, Material
 from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
-from fabrication.shapes import beam_variants, fibre_ends, is_skew, shape_key
+from fabrication.parts.beam import BeamShape, CrossHole, EndCut, fibre_ends
+from fabrication.parts.beam.congruence import beam_variants
 from fabrication.solids import boundary_of, properties_of, second_volume_of, volume_of
-from fabrication.specs import BeamShape, CrossHole, EndCut, Profile
+from fabrication.specs import Profile
 
 
 def skew(
@@ -93,13 +94,6 @@ def test_part_passes_every_check_and_reads_back(name: str, tmp_path: Path) -> No
     assert [check for check in found["BP-001"] if not check.passed] == []
 
 
-class Piece:
-    """The least that `beam_variants` reads."""
-
-    def __init__(self, shape: BeamShape) -> None:
-        self.shape = shape
-
-
 def turned(shape: BeamShape) -> BeamShape:
     """The same beam turned end for end about z: x and y change sign."""
 
@@ -113,9 +107,9 @@ def turned(shape: BeamShape) -> BeamShape:
 def test_congruent_when_turned_end_for_end_but_not_when_mirrored() -> None:
     shape = SHAPES["bar"]
     other, mirror = turned(shape), skew(FLAT, -0.4, 0.2)
-    assert shape_key(shape) == shape_key(other) == shape_key(mirror)
-    assert shape_key(shape) != shape_key(beam(FLAT))
-    points = beam_variants([Piece(shape), Piece(other), Piece(mirror)]).points  # type: ignore[list-item]
+    assert shape.key() == other.key() == mirror.key()
+    assert shape.key() != beam(FLAT).key()
+    points = beam_variants([shape, other, mirror]).points
     own, back = points[0]
     assert np.abs(points[1][0] - back).max() < 1e-12
     assert np.abs(points[1][1] - own).max() < 1e-12
@@ -125,7 +119,7 @@ def test_congruent_when_turned_end_for_end_but_not_when_mirrored() -> None:
 def test_fibres_are_the_corners() -> None:
     shape = SHAPES["bar"]
     start, end = fibre_ends(shape)
-    assert is_skew(shape)
+    assert shape.is_skew
     want = [62 + 0.12 * z + 0.4 * y for y in (-4, 4) for z in (-30, 30)]
     assert start == pytest.approx(want)
     assert end == pytest.approx([1170 - 0.3 * z - 0.2 * y for y in (-4, 4) for z in (-30, 30)])

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from fabrication.formats.step.records import COLOURS, GROUPS, LAYERS, Product
-from fabrication.formats.step.text import encoded
-from fabrication.formats.step.xcaf import mute, new_document
+from fabrication.export.steprecords import Product
+from fabrication.export.steptext import encoded
+from fabrication.export.xcaf import mute, new_document
 from fabrication.solids import solid_from
 
 
@@ -51,13 +51,13 @@ def write_by_xcaf(
     set_name(root, name)
     labels = {product.number: add_product(document, product) for product in products}
     groups = {}
-    for role in (r for r in GROUPS if any(product.role == r for product in products)):
-        group = groups[role] = shapes.NewShape()
-        set_name(group, GROUPS[role])
-        set_name(shapes.AddComponent(root, group, location(np.eye(4))), GROUPS[role])
-    roles = {product.number: product.role for product in products}
+    for kind in dict.fromkeys(product.kind for product in products):
+        group = groups[kind] = shapes.NewShape()
+        set_name(group, kind.title)
+        set_name(shapes.AddComponent(root, group, location(np.eye(4))), kind.title)
+    kinds = {product.number: product.kind for product in products}
     for number, mark, placement in instances:
-        component = shapes.AddComponent(groups[roles[number]], labels[number], location(placement))
+        component = shapes.AddComponent(groups[kinds[number]], labels[number], location(placement))
         set_name(component, mark)
     shapes.UpdateAssemblies()
     writer = STEPCAFControl_Writer()
@@ -94,12 +94,12 @@ def add_product(document: Any, product: Product) -> Any:
     main = document.Main()
     label = XCAFDoc_DocumentTool.ShapeTool_s(main).AddShape(solid_from(product.boundary), False)
     set_name(label, product.number)
-    colour = Quantity_Color(*COLOURS[product.role], Quantity_TypeOfColor.Quantity_TOC_sRGB)
+    colour = Quantity_Color(*product.kind.color, Quantity_TypeOfColor.Quantity_TOC_sRGB)
     XCAFDoc_DocumentTool.ColorTool_s(main).SetColor(
         label, colour, XCAFDoc_ColorType.XCAFDoc_ColorGen
     )
     XCAFDoc_DocumentTool.LayerTool_s(main).SetLayer(
-        label, TCollection_ExtendedString(LAYERS[product.role]), True
+        label, TCollection_ExtendedString(product.kind.layer), True
     )
     XCAFDoc_DocumentTool.MaterialTool_s(main).SetMaterial(
         label,

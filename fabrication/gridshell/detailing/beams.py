@@ -16,8 +16,10 @@ from fabrication.gridshell.detailing.frames import (
     panel_mark,
 )
 from fabrication.gridshell.detailing.radius import NodeSize
+from fabrication.gridshell.pieces import Beam
 from fabrication.gridshell.project import Project, bolt_diameters
-from fabrication.specs import Beam, BeamShape, Check, CrossHole, EndCut, Profile
+from fabrication.parts.beam import BeamShape, CrossHole, EndCut
+from fabrication.specs import Check, Profile
 from fabrication.standards import bolt_end_distance, bolt_least_distance
 from fabrication.standards.profiles import z_range
 

@@ -11,6 +11,9 @@ import numpy as np
 from ddgfab.errors import DetailError
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Ints, Mesh, unit
+from fabrication.parts.beam import BEAM
+from fabrication.parts.node import NODE
+from fabrication.parts.panel import PANEL
 
 STEEPEST: Final = np.radians(75.0)
 """A beam that leaves the plane across a node axis by more [rad] cannot be cut to meet the node."""
@@ -37,17 +40,17 @@ class Axes(Protocol):
 
 def beam_mark(edge: int) -> str:
     """Piece mark of the beam of a mesh edge."""
-    return f"B-{edge:04d}"
+    return BEAM.mark_of(edge)
 
 
 def node_mark(vertex: int) -> str:
     """Piece mark of the node of a mesh vertex."""
-    return f"N-{vertex:04d}"
+    return NODE.mark_of(vertex)
 
 
 def panel_mark(face: int) -> str:
     """Piece mark of the panel of a mesh face."""
-    return f"P-{face:04d}"
+    return PANEL.mark_of(face)
 
 
 def listed(problems: Sequence[str], advice: str) -> DetailError:

@@ -16,8 +16,9 @@ from fabrication.gridshell.detailing.nodes import end_heights, node_ends, node_s
 from fabrication.gridshell.detailing.panels import face_planes, not_flat, panel_specs
 from fabrication.gridshell.detailing.radius import NodeSize, arm_width, close_arms, node_size
 from fabrication.gridshell.load import make_project
+from fabrication.gridshell.pieces import Beam, Node, Panel
 from fabrication.gridshell.project import Project
-from fabrication.specs import Beam, Check, Node, Panel, Piece
+from fabrication.specs import Check, Piece
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,7 +62,7 @@ class Gridshell:
         torsion = np.degrees(max(beam.torsion for beam in self.beams))
         lean = np.degrees(max(node.lean for node in self.nodes))
         return (
-            f"Gridshell({len(self.beams)} beams {self.beams[0].shape.profile.name}, "
+            f"Gridshell({len(self.beams)} beams {self.project.beam.section().name}, "
             f"{len(self.nodes)} nodes d {2 * self.size.radius:g} mm "
             f"(forced by {node_mark(self.size.forced_by)}), {len(self.panels)} panels, "
             f"torsion {torsion:.1e} deg, lean {lean:.1f} deg, "

@@ -11,17 +11,10 @@ from ddgfab.measures import lean
 from ddgfab.mesh import Floats, Mesh
 from fabrication.gridshell.detailing.frames import Arms, EdgeFrames, beam_mark, listed, node_mark
 from fabrication.gridshell.detailing.radius import NodeSize
+from fabrication.gridshell.pieces import Arm, Node
 from fabrication.gridshell.project import Project, bolt_diameters
-from fabrication.specs import (
-    Arm,
-    Check,
-    Node,
-    NodeShape,
-    Profile,
-    RadialHole,
-    ReferenceMark,
-    Seat,
-)
+from fabrication.parts.node import NodeShape, RadialHole, ReferenceMark, Seat
+from fabrication.specs import Check, Profile
 from fabrication.standards.profiles import z_range
 
 STEP_SLACK: Final = 1e-6

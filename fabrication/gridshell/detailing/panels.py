@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from ddgfab.measures import dihedral_angles, planarity, planarity_percent
 from ddgfab.mesh import Floats, Mesh, unit
 from fabrication.gridshell.detailing.frames import NAMED, EdgeFrames, listed, panel_mark
-from fabrication.gridshell.detailing.outline import least_rectangle
+from fabrication.gridshell.pieces import Panel, Side
 from fabrication.gridshell.project import Project
-from fabrication.specs import Check, Panel, PanelShape, Side
+from fabrication.parts.panel import PanelShape
+from fabrication.solids.polygon import least_rectangle
+from fabrication.specs import Check
 from fabrication.standards.profiles import first_crossing
 
 LEAST_SIDE: Final = 1.0

@@ -1,0 +1,221 @@
+"""manifest.json: every file and every part; written last, so its presence means complete."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ddgfab.errors import InputError
+from ddgfab.io.atomic import atomic_write
+from ddgfab.mesh import Floats
+from fabrication.export.version import package_version
+from fabrication.specs import Check, Placement
+
+MANIFEST: Final = "manifest.json"
+FORMAT_VERSION: Final = 1
+GENERATOR: Final = "ddgfab"
+"""What marks a manifest, and so a folder, as ours."""
+
+PLACEMENT_DIGITS: Final = 12
+"""Decimals of placements [1 and mm] in the manifest."""
+
+_LIBRARIES: Final = (
+    "numpy",
+    "scipy",
+    "cadquery-ocp",
+    "build123d",
+    "cadquery",
+    "manifold3d",
+    "plotly",
+    "rectpack",
+)
+
+
+def part_record(
+    *,
+    mark: str,
+    number: str,
+    role: str,
+    placement: Placement,
+    volume_mm3: float,
+    mass_kg: float,
+    bbox_mm: Floats,
+    checks: Iterable[Check],
+) -> dict[str, Any]:
+    """A part of the manifest, as product.md says.
+
+    Parameters
+    ----------
+    placement : (4, 4), written row by row
+    bbox_mm : (2, 3) least and greatest corner of the placed piece
+    """
+    return {
+        "mark": mark,
+        "number": number,
+        "role": role,
+        "placement": _rounded(placement, PLACEMENT_DIGITS),
+        "volume_mm3": round(float(volume_mm3), 3),
+        "mass_kg": round(float(mass_kg), 6),
+        "bbox_mm": _rounded(bbox_mm, 3),
+        "checks": [check_record(check) for check in checks],
+    }
+
+
+def check_record(check: Check) -> dict[str, Any]:
+    """A check of the manifest: name, passed, value, limit."""
+    return {
+        "name": check.name,
+        "passed": bool(check.passed),
+        "value": check.value,
+        "limit": check.limit,
+    }
+
+
+def build_manifest(
+    *,
+    project: str,
+    input: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    net: Mapping[str, Any],
+    support: Mapping[str, Any],
+    parts: Sequence[Mapping[str, Any]],
+    files: Sequence[Mapping[str, Any]],
+    timings_s: Mapping[str, float],
+    extra_checks: Iterable[Check] = (),
+    complete: bool = True,
+) -> dict[str, Any]:
+    """The whole manifest as plain data; `checks` counts those of the parts and the extra ones."""
+    outcomes = [check["passed"] for part in parts for check in part["checks"]]
+    extra = [check_record(check) for check in extra_checks]
+    outcomes += [check["passed"] for check in extra]
+    return {
+        "format_version": FORMAT_VERSION,
+        "generator": GENERATOR,
+        "complete": complete,
+        "project": project,
+        "units": "mm",
+        "input": dict(input),
+        "settings": dict(settings),
+        "net": dict(net),
+        "support": dict(support),
+        "checks": {
+            "passed": sum(outcomes),
+            "failed": len(outcomes) - sum(outcomes),
+            "job": extra,
+        },
+        "parts": list(parts),
+        "files": list(files),
+        "versions": library_versions(),
+        "timings_s": {step: round(float(time), 4) for step, time in timings_s.items()},
+    }
+
+
+def file_records(folder: Path) -> list[dict[str, Any]]:
+    """Path (relative, with slashes), bytes and sha256 of every file below a folder, by path.
+
+    The manifest itself is left out.
+    """
+    records = []
+    for path in folder.rglob("*"):
+        name = path.relative_to(folder).as_posix()
+        if path.is_file() and name != MANIFEST:
+            data = path.read_bytes()
+            records.append(
+                {"path": name, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
+            )
+    return sorted(records, key=lambda record: str(record["path"]))
+
+
+def library_versions() -> dict[str, str]:
+    """Versions of ddgfab and of the libraries that shape its output."""
+    versions = {"ddgfab": package_version()}
+    for library in _LIBRARIES:
+        try:
+            versions[library] = version(library)
+        except PackageNotFoundError:
+            versions[library] = "not installed"
+    return versions
+
+
+def write_manifest(path: Path, manifest: Mapping[str, Any]) -> None:
+    """Write the manifest (atomically), one part or file a line.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    text = manifest_text(manifest)
+    with atomic_write(path) as file:
+        file.write(text.encode("utf-8"))
+
+
+def manifest_text(manifest: Mapping[str, Any]) -> str:
+    """JSON of a manifest: keys in their order, lists of parts and files one item a line."""
+    lines = []
+    for key, value in manifest.items():
+        if key in ("parts", "files") and value:
+            items = ",\n".join(f"  {_json(item)}" for item in value)
+            lines.append(f"{_json(key)}: [\n{items}\n ]")
+        else:
+            lines.append(f"{_json(key)}: {_json(value)}")
+    return "{\n " + ",\n ".join(lines) + "\n}\n"
+
+
+def read_manifest(path: Path) -> dict[str, Any]:
+    """A manifest of ours.
+
+    Raises
+    ------
+    InputError
+        Missing, no JSON, or not written by ddgfab.
+    """
+    try:
+        manifest = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"no readable manifest ({error})", file=str(path)) from error
+    if (
+        not isinstance(manifest, dict)
+        or manifest.get("generator") != GENERATOR
+        or not isinstance(manifest.get("format_version"), int)
+    ):
+        raise InputError("not a manifest of ddgfab", file=str(path))
+    return manifest
+
+
+def _json(value: Any) -> str:
+    try:
+        return json.dumps(value, ensure_ascii=False, allow_nan=False, default=_plain)
+    except ValueError:  # a number that is not finite somewhere: rare, so looked for only then
+        return json.dumps(_finite(value), ensure_ascii=False, default=_plain)
+
+
+def _plain(value: Any) -> Any:
+    """What JSON does not know: numpy values as Python's, mappings as dictionaries, else text."""
+    if isinstance(value, np.ndarray | np.generic):
+        return _finite(value.tolist())
+    return dict(value) if isinstance(value, Mapping) else str(value)
+
+
+def _finite(value: Any) -> Any:
+    """The same with null for numbers that are not finite."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _rounded(values: Floats, digits: int) -> list[float] | list[list[float]]:
+    """An array as nested lists, rounded, without negative zeros."""
+    result: list[float] | list[list[float]] = (np.round(values, digits) + 0.0).tolist()
+    return result

@@ -1,0 +1,59 @@
+"""What goes into a STEP file besides geometry: products, header, materials."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any, Final, Literal
+
+from fabrication.boundary import Boundary
+from fabrication.specs import Color, Kind, Properties
+
+Schema = Literal["AP214", "AP242"]
+
+FAILED: Final = "failed"
+"""Name of the look of pieces that failed a check."""
+
+FAILED_COLOR: Final[Color] = (0.85, 0.10, 0.10)
+"""Their color."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """Who made the file. Empty fields are written as they are."""
+
+    author: str = ""
+    organisation: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material: its name and density [kg/m3]."""
+
+    name: str
+    density: float
+
+
+@dataclass(frozen=True, eq=False)
+class Product:
+    """A part number: its kind, geometry in its own frame, properties and material.
+
+    The geometry is the exact boundary where there is one (much faster to write); only where there
+    is none, the kernel solid is looked at.
+    """
+
+    number: str
+    kind: Kind
+    solid: Any
+    properties: Properties
+    material: Material | None = None
+    boundary: Boundary | None = None
+
+
+def time_stamp() -> str:
+    """Now, or SOURCE_DATE_EPOCH where it is set (ISO 8601, UTC, seconds)."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    moment = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdigit() else datetime.now(UTC)
+    return moment.strftime("%Y-%m-%dT%H:%M:%S")

@@ -1,0 +1,91 @@
+"""Pieces of a gridshell: beams, nodes and panels with where they belong in the mesh.
+
+Millimetres and radians. What is made of them is in `fabrication.parts`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ddgfab.mesh import Floats
+from fabrication.parts.beam import BEAM
+from fabrication.parts.node import NODE
+from fabrication.parts.panel import PANEL, PanelShape
+from fabrication.specs import Check, Kind, Placement, Shape
+
+
+@dataclass(frozen=True)
+class Arm:
+    """A beam as a node sees it: angles [rad] about the node axis and above its normal plane."""
+
+    edge: int
+    beam: str
+    azimuth: float
+    elevation: float
+
+
+@dataclass(frozen=True)
+class Side:
+    """A side of a panel: its mesh edge and the panel beyond it (None at the boundary).
+
+    dihedral [rad]: angle between the neighbours' planes, 0 when they are flush, positive when the
+    edge is convex seen from outside; 0 at the boundary.
+    """
+
+    edge: int
+    neighbour: str | None
+    dihedral: float
+
+
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """One beam: edge id, its vertices, left and right panels' marks; torsion [rad] of its edge.
+
+    roll : angle [rad] about the beam's x axis from its z axis to the node axis, at start and end;
+        0 without torsion, otherwise half of it to either side
+    """
+
+    mark: str
+    edge: int
+    vertices: tuple[int, int]
+    nodes: tuple[str, str]
+    panels: tuple[str | None, str | None]
+    length_axis: float
+    torsion: float
+    shape: Shape
+    placement: Placement
+    kind: Kind = field(default=BEAM, init=False)
+    checks: tuple[Check, ...] = ()
+    roll: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """One node: vertex id, position and unit axis, arms counterclockwise from the marked one."""
+
+    mark: str
+    vertex: int
+    position: Floats
+    axis: Floats
+    lean: float
+    arms: tuple[Arm, ...]
+    shape: Shape
+    placement: Placement
+    kind: Kind = field(default=NODE, init=False)
+    checks: tuple[Check, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One panel: face id, planarity [mm, greatest corner distance; %, diagonals], its sides."""
+
+    mark: str
+    face: int
+    planarity_mm: float
+    planarity_percent: float
+    planarity_class: str
+    sides: tuple[Side, ...]
+    shape: PanelShape
+    placement: Placement
+    kind: Kind = field(default=PANEL, init=False)
+    checks: tuple[Check, ...] = ()

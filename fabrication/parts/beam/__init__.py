@@ -1,0 +1,8 @@
+"""Beams: a profile swept between two cuts, each flat or coped, with round holes across."""
+
+from __future__ import annotations
+
+from fabrication.parts.beam.congruence import fibre_ends
+from fabrication.parts.beam.shape import BEAM, BeamShape, CrossHole, EndCut
+
+__all__ = ["BEAM", "BeamShape", "CrossHole", "EndCut", "fibre_ends"]

@@ -1,0 +1,103 @@
+"""Beams: a profile between two cuts; the record, and what it is to the rest of the package."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Self
+
+import numpy as np
+
+from fabrication.boundary import Boundary, Cut
+from fabrication.parts.beam.boundary import beam_geometry
+from fabrication.parts.beam.congruence import beam_key, beam_variants, fibre_ends
+from fabrication.parts.beam.volume import beam_volume
+from fabrication.specs import Kind, Profile
+from fabrication.variants import Variants
+
+BEAM: Final = Kind(
+    role="beam",
+    mark="B",
+    prefix="BP",
+    title="Beams",
+    color=(0.33, 0.36, 0.40),
+    finish="matte",
+    shown=(0.36, 0.42, 0.49),
+)
+
+
+@dataclass(frozen=True)
+class EndCut:
+    """How a beam ends, in the beam's frame; without torsion the node axis lies in its plane y = 0.
+
+    x : where the cut meets the x axis [mm]
+    slope, skew : a flat cut is the plane (x + slope z + skew y, y, z), parallel to the node axis;
+        without torsion the axis runs along (slope, 0, 1) and skew is 0: a single mitre. A compound
+        angle only where an axis leaves the plane y = 0 and is not perpendicular to the beam
+    radius : None for a flat cut; else the radius [mm] of the coping cylinder, whose axis lies that
+        far (perpendicularly) beyond x; its skew is 0
+    """
+
+    x: float
+    slope: float
+    radius: float | None = None
+    skew: float = 0.0
+
+
+@dataclass(frozen=True)
+class CrossHole:
+    """A round hole through the whole beam along y, centred at (x, z) [mm]."""
+
+    x: float
+    z: float
+    diameter: float
+
+
+@dataclass(frozen=True, eq=False)
+class BeamShape:
+    """A profile swept along x between two cuts. Frame: x start to end, y across, z up in pi(e)."""
+
+    profile: Profile
+    start: EndCut
+    end: EndCut
+    holes: tuple[CrossHole, ...] = ()
+
+    @property
+    def is_skew(self) -> bool:
+        """Whether a cut is a compound angle; both ends are flat then."""
+        return self.start.skew != 0.0 or self.end.skew != 0.0
+
+    def key(self) -> Hashable:
+        """Profile, kinds of cuts and holes."""
+        return beam_key(self)
+
+    @classmethod
+    def variants(cls, shapes: Sequence[Self]) -> Variants:
+        """As they are, and turned end for end where nothing tells the ends apart."""
+        return beam_variants(shapes)
+
+    def geometry(self) -> Boundary | Cut:
+        """Exact but for coped ends on a profile with round corners, which are cut."""
+        return beam_geometry(self)
+
+    def second_volume(self) -> float:
+        """Length integrated over the profile, less the holes in its walls."""
+        return beam_volume(self)
+
+    def dimensions(self) -> dict[str, Any]:
+        """Profile, bar to saw over all, and the cuts.
+
+        A mitre [deg] between cut and square cut is positive where the beam is longer at the top, a
+        skew [deg], seen from above, where it is longer on its left; skews of skew beams only.
+        """
+        start, end = fibre_ends(self)
+        found = {
+            "profile": self.profile.name,
+            "length_cut_mm": float(end.max() - start.min()),
+            "mitre_start_deg": float(np.degrees(-np.arctan(self.start.slope))),
+            "mitre_end_deg": float(np.degrees(np.arctan(self.end.slope))),
+        }
+        if self.is_skew:
+            found["skew_start_deg"] = float(np.degrees(-np.arctan(self.start.skew)))
+            found["skew_end_deg"] = float(np.degrees(np.arctan(self.end.skew)))
+        return found

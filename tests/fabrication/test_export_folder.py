@@ -1,0 +1,215 @@
+"""The output folder: whole or not at all; only ours are replaced; and the manifest in it."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ddgfab.errors import InputError, OutputError
+from fabrication.export.folder import OutputFolder, safe_name
+from fabrication.export.manifest import (
+    build_manifest,
+    file_records,
+    part_record,
+    read_manifest,
+    write_manifest,
+)
+from fabrication.specs import Check
+
+
+def manifest(**changes: Any) -> dict[str, Any]:
+    part = part_record(
+        mark="B-0000",
+        number="BP-001",
+        role="beam",
+        placement=-np.zeros((4, 4)),
+        volume_mm3=1.5,
+        mass_kg=0.25,
+        bbox_mm=np.array([[0, 0, 0], [1, 2, 3]]),
+        checks=[Check("solid valid", True), Check("clearance", False, np.float64(-0.1), 0.5)],
+    )
+    content: dict[str, Any] = {
+        "project": "roof",
+        "input": {"file": "a.obj"},
+        "settings": {},
+        "net": {"worst": np.array([1, 2]), "bad": float("nan")},
+        "support": {"kind": "normal", "torsion_deg_max": 1e-9},
+        "parts": [part],
+        "files": [],
+        "timings_s": {"net": 0.123456},
+    }
+    return build_manifest(**(content | changes))
+
+
+def fill(folder: Path, text: str = "new") -> None:
+    (folder / "parts").mkdir()
+    (folder / "parts" / "a.step").write_text(text)
+    write_manifest(folder / "manifest.json", manifest(files=file_records(folder)))
+
+
+def stop(folder: Path, error: type[BaseException]) -> None:
+    fill(folder)
+    raise error
+
+
+def test_a_folder_appears_whole_and_nothing_else_remains(tmp_path: Path) -> None:
+    target = tmp_path / "deep" / "out"
+    with OutputFolder(target) as folder:
+        fill(folder)
+        assert not target.exists()
+    assert (target / "parts" / "a.step").read_text() == "new"
+    assert [p.name for p in target.parent.iterdir()] == ["out"]
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit])
+def test_an_exception_leaves_the_old_folder_and_no_other(
+    tmp_path: Path, error: type[BaseException]
+) -> None:
+    target = tmp_path / "out"
+    with OutputFolder(target) as folder:
+        fill(folder, "old")
+    with pytest.raises(error), OutputFolder(target) as folder:
+        stop(folder, error)
+    assert (target / "parts" / "a.step").read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["out"]
+
+
+def test_ours_is_replaced_and_strangers_files_are_carried_over(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    with OutputFolder(target) as folder:
+        fill(folder, "old")
+        (folder / "gone.txt").write_text("listed, and not made again")
+        write_manifest(folder / "manifest.json", manifest(files=file_records(folder)))
+    (target / "notes").mkdir()
+    (target / "notes" / "mine.txt").write_text("keep")
+    with OutputFolder(target) as folder:
+        fill(folder, "new")
+    assert (target / "parts" / "a.step").read_text() == "new"
+    assert (target / "notes" / "mine.txt").read_text() == "keep"
+    assert not (target / "gone.txt").exists()
+    assert [p.name for p in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_folder_that_is_not_ours_is_refused_before_any_work(tmp_path: Path) -> None:
+    target = tmp_path / "thesis"
+    target.mkdir()
+    with OutputFolder(target) as folder:  # an empty one may be used
+        fill(folder)
+    for content in ("{}", "[]", '{"format_version": 1}', "not json"):
+        (target / "manifest.json").write_text(content)
+        with pytest.raises(OutputError, match="no output folder of ddgfab"), OutputFolder(target):
+            pytest.fail("entered")
+    assert (target / "parts" / "a.step").exists()
+    with pytest.raises(OutputError, match="is a file"), OutputFolder(target / "manifest.json"):
+        pytest.fail("entered")
+    assert [p.name for p in tmp_path.iterdir()] == ["thesis"]
+
+
+def test_a_job_without_a_manifest_is_not_complete(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="left no manifest"), OutputFolder(tmp_path / "out"):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_ends_in_one_message(tmp_path: Path) -> None:
+    with (
+        pytest.raises(OutputError, match="disk is full") as caught,
+        OutputFolder(tmp_path / "out"),
+    ):
+        raise OSError(errno.ENOSPC, "No space left on device")
+    assert len(str(caught.value).splitlines()) <= 3
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_parent_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match="out"), OutputFolder(tmp_path / "file" / "out"):
+        pytest.fail("entered")
+
+
+def test_a_failed_swap_brings_the_old_folder_back(tmp_path: Path, monkeypatch: Any) -> None:
+    target = tmp_path / "out"
+    with OutputFolder(target) as folder:
+        fill(folder, "old")
+    rename = Path.rename
+
+    def refuse(self: Path, to: Path) -> Path:
+        if ".partial-" in self.name:
+            raise OSError(errno.EACCES, "no")
+        return rename(self, to)
+
+    monkeypatch.setattr(Path, "rename", refuse)
+    with pytest.raises(OutputError, match="no permission"), OutputFolder(target) as folder:
+        fill(folder)
+    assert (target / "parts" / "a.step").read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["out"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["../../etc/passwd", "", "...", ".hidden", "CON", "nul.step", "a/b\\c", "Dach über", "x" * 300],
+)
+def test_safe_names_never_leave_their_folder(tmp_path: Path, text: str) -> None:
+    name = safe_name(text)
+    assert name
+    assert not name.startswith(".")
+    assert set(name) <= set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.")
+    assert (tmp_path / name).resolve().parent == tmp_path.resolve()
+    assert name.split(".")[0].lower() not in {"con", "nul", "aux", "prn", "com1", "lpt1"}
+    assert safe_name(name) == name
+
+
+def test_the_manifest_is_plain_json_in_a_fixed_order(tmp_path: Path) -> None:
+    path = tmp_path / "manifest.json"
+    write_manifest(path, manifest())
+    text = path.read_text()
+    assert "-0.0" not in text.replace("-0.1", "")
+    back = read_manifest(path)
+    assert back == json.loads(text)
+    assert (back["format_version"], back["units"], back["net"]["bad"]) == (1, "mm", None)
+    assert back["checks"]["passed"] == back["checks"]["failed"] == 1
+    assert back["parts"][0]["checks"][1] == {
+        "name": "clearance",
+        "passed": False,
+        "value": -0.1,
+        "limit": 0.5,
+    }
+    assert list(back)[-1] == "timings_s"
+    with pytest.raises(InputError, match=r"none\.json"):
+        read_manifest(tmp_path / "none.json")
+
+
+def test_file_records_match_sha256_of_the_files(tmp_path: Path) -> None:
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "x.txt").write_text("abc")
+    (tmp_path / "a.txt").write_text("")
+    (tmp_path / "manifest.json").write_text("{}")
+    first, second = file_records(tmp_path)
+    assert (first["path"], first["bytes"]) == ("a.txt", 0)
+    assert second["path"] == "b/x.txt"
+    # FIPS 180-2, appendix B.1
+    assert second["sha256"].startswith("ba7816bf8f01cfea414140de5dae2223")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs process ids that can be asked for")
+def test_what_a_killed_job_left_is_cleared(tmp_path: Path) -> None:
+    gone = subprocess.Popen([sys.executable, "-c", "pass"])
+    gone.wait()
+    orphan = tmp_path / f".out.partial-{gone.pid}"
+    living = tmp_path / f".out.partial-{os.getppid()}"
+    other = tmp_path / ".another.partial-1x"
+    for folder in (orphan, living, other):
+        (folder / "parts").mkdir(parents=True)
+    with OutputFolder(tmp_path / "out") as staging:
+        fill(staging)
+    assert not orphan.exists()
+    assert living.exists()
+    assert other.exists()
