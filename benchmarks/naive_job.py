@@ -21,7 +21,7 @@ import build123d as b3
 import naive
 
 from fabrication import design
-from fabrication.export.step import location
+from fabrication.formats.step import location
 
 
 def main() -> None:

@@ -14,16 +14,16 @@ from typing import Any, Final
 from ddgfab.errors import OutputError
 from ddgfab.optimize.report import comparison
 from fabrication.checks.assembly import check_assembly
-from fabrication.export.folder import OutputFolder, safe_name
-from fabrication.export.manifest import (
+from fabrication.formats.tables import write_xlsx
+from fabrication.gridshell.design import Design, Progress
+from fabrication.gridshell.schedules import mass_kg, schedules
+from fabrication.job.folder import OutputFolder, safe_name
+from fabrication.job.manifest import (
     MANIFEST,
     build_manifest,
     file_records,
     write_manifest,
 )
-from fabrication.export.tables import write_xlsx
-from fabrication.gridshell.design import Design, Progress
-from fabrication.gridshell.schedules import mass_kg, schedules
 from fabrication.job.part import (
     PartJob,
     PartResult,
@@ -33,9 +33,9 @@ from fabrication.job.part import (
     make_parts,
     verify_parts,
 )
+from fabrication.job.pool import Workers, worker_pool
+from fabrication.job.problems import problems_of
 from fabrication.pictures.deviation import write_deviation
-from fabrication.pool import Workers, worker_pool
-from fabrication.problems import problems_of
 from fabrication.records import CHORD_MM, clearances, part_records, part_settings
 from fabrication.specs import Check, Family
 

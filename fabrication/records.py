@@ -8,11 +8,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from fabrication.export.manifest import part_record
-from fabrication.export.step import Header, Material
+from fabrication.formats.step import Header, Material
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.detailing.clearance import PANEL_CLEARANCE
 from fabrication.gridshell.schedules import mass_kg
+from fabrication.job.manifest import part_record
 from fabrication.job.part import PartResult, PartSettings
 from fabrication.specs import Check, Role
 

@@ -27,7 +27,7 @@ def _version(
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
 ) -> None:
     if version:
-        from fabrication.export.version import package_version
+        from fabrication.version import package_version
 
         typer.echo(f"ddgfab {package_version()}")
         raise typer.Exit

@@ -54,9 +54,9 @@ def linkage_command(
 ) -> None:
     """A Bennett linkage, a 12-bar cube or a whole K-net as a kit that prints and moves."""
     with errors(debug), progress() as tell:
+        from fabrication.job.pool import worker_pool
         from fabrication.kits.job import make_kit
         from fabrication.linkage.kit import detail_kit, find_kit_project
-        from fabrication.pool import worker_pool
 
         begin = time.perf_counter()
         sections = sections_of(change or [])

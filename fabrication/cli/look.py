@@ -42,7 +42,7 @@ def check_command(
     """Is each file closed and valid, and what is its volume?"""
     failed = False
     with errors(debug):
-        from fabrication.checks.inspection import inspect_file
+        from fabrication.formats.report import inspect_file
 
         for file in files:
             report = inspect_file(file)

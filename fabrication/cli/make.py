@@ -41,8 +41,8 @@ def make_command(
     """From a mesh or project to checked CAD files and schedules."""
     with errors(debug), progress() as tell:
         from fabrication.gridshell.design import design_net, find_project, load_net
+        from fabrication.job.pool import worker_pool
         from fabrication.pipeline import make
-        from fabrication.pool import worker_pool
 
         begin = time.perf_counter()
         sections = sections_of(change or [])

@@ -74,7 +74,7 @@ def _write_circles(path: Path, mesh: Mesh) -> str:
 
     curves = SIsothermic.of(mesh).curves()
     if path.suffix.lower() in (".step", ".stp"):
-        from fabrication.export.circles import write_step_circles
+        from fabrication.formats.step.circles import write_step_circles
 
         write_step_circles(path, curves)
     else:

@@ -113,13 +113,13 @@ class Design:
 
     def to_build123d(self) -> Any:
         """A labelled `build123d.Compound`: children Beams, Nodes, Panels with a solid a piece."""
-        from fabrication.export.hand_over import to_build123d
+        from fabrication.handover import to_build123d
 
         return to_build123d(self.project.name, self.families)
 
     def to_cadquery(self) -> Any:
         """A `cadquery.Assembly` with a named, coloured, placed solid for each piece."""
-        from fabrication.export.hand_over import to_cadquery
+        from fabrication.handover import to_cadquery
 
         return to_cadquery(self.project.name, self.families)
 

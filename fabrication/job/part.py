@@ -11,12 +11,10 @@ from typing import Final, TypeAlias
 
 from ddgfab.errors import DdgError, OutputError
 from fabrication.checks.crossing import crossings
-from fabrication.checks.file import check_step_part, check_stl_part, check_threemf
 from fabrication.checks.mesh import check_mesh
 from fabrication.checks.solid import check_solid
-from fabrication.checks.whole import check_step_assembly
-from fabrication.export.glb import write_glb
-from fabrication.export.step import (
+from fabrication.formats.glb import write_glb
+from fabrication.formats.step import (
     Header,
     Material,
     Product,
@@ -24,8 +22,10 @@ from fabrication.export.step import (
     assembly_bytes,
     part_bytes,
 )
-from fabrication.export.stl import stl_bytes
-from fabrication.export.threemf import Body3MF, threemf_bytes
+from fabrication.formats.step.read import check_step_part, check_stl_part, check_threemf
+from fabrication.formats.step.whole import check_step_assembly
+from fabrication.formats.stl import stl_bytes
+from fabrication.formats.threemf import Body3MF, threemf_bytes
 from fabrication.pictures.preview import write_preview
 from fabrication.solids import boundary_of, realise, second_volume_of, solid_of
 from fabrication.specs import Check, Family, Kind, Placement, Properties, Role, Shape, TriangleMesh

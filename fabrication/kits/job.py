@@ -13,20 +13,20 @@ from typing import Any, Final
 
 import numpy as np
 
-from fabrication.checks.file import check_threemf
-from fabrication.export.folder import safe_name
-from fabrication.export.glb import write_glb
-from fabrication.export.manifest import (
+from fabrication.formats.glb import write_glb
+from fabrication.formats.step import Header, Material
+from fabrication.formats.step.read import check_threemf
+from fabrication.formats.tables import write_xlsx
+from fabrication.gridshell.design import Progress
+from fabrication.gridshell.schedules import mass_kg
+from fabrication.job.folder import safe_name
+from fabrication.job.manifest import (
     MANIFEST,
     build_manifest,
     file_records,
     part_record,
     write_manifest,
 )
-from fabrication.export.step import Header, Material
-from fabrication.export.tables import write_xlsx
-from fabrication.gridshell.design import Progress
-from fabrication.gridshell.schedules import mass_kg
 from fabrication.job.part import (
     PartJob,
     PartResult,
@@ -35,6 +35,8 @@ from fabrication.job.part import (
     make_parts,
     verify_parts,
 )
+from fabrication.job.pool import Workers
+from fabrication.job.problems import problems_of
 from fabrication.linkage.kit import Kit
 from fabrication.linkage.page import MovingScene, write_page
 from fabrication.linkage.pieces import ORDER
@@ -45,8 +47,6 @@ from fabrication.linkage.schedules import kit_schedules
 from fabrication.motion.free_range import poses_to_confirm
 from fabrication.parts.pin import PIN
 from fabrication.pipeline import JobResult, staged
-from fabrication.pool import Workers
-from fabrication.problems import problems_of
 from fabrication.specs import Check, Role, TriangleMesh
 from fabrication.table import Table
 

@@ -213,13 +213,13 @@ class Kit:
 
         Its children are Links, Pins, Caps, Spacers with a labelled, coloured solid a piece.
         """
-        from fabrication.export.hand_over import to_build123d
+        from fabrication.handover import to_build123d
 
         return to_build123d(self.name, self.placed(angle))
 
     def to_cadquery(self, angle: float | None = None) -> Any:
         """A `cadquery.Assembly` at a driving angle [rad]: a named, coloured solid a piece."""
-        from fabrication.export.hand_over import to_cadquery
+        from fabrication.handover import to_cadquery
 
         return to_cadquery(self.name, self.placed(angle))
 

@@ -17,7 +17,7 @@ import numpy as np
 from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats
-from fabrication.export.tables import decimals
+from fabrication.formats.tables import decimals
 from fabrication.specs import TriangleMesh
 from fabrication.table import Table
 

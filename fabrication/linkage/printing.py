@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.export.threemf import Body3MF, Item3MF, threemf_bytes
+from fabrication.formats.threemf import Body3MF, Item3MF, threemf_bytes
 from fabrication.linkage.plates import Bed, Plate, Printed, plates
 from fabrication.linkage.schedules import is_printed
 from fabrication.linkage.settings import LinkageSettings

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError, OutputError
-from fabrication.checks.file import read_step
 from fabrication.checks.mesh import measure_mesh, to_manifold
-from fabrication.export.stl import read_stl
-from fabrication.export.threemf import read_threemf
+from fabrication.formats.step.read import read_step
+from fabrication.formats.stl import read_stl
+from fabrication.formats.threemf import read_threemf
 from fabrication.kits.job import make_kit
 from fabrication.linkage.kit import Kit, kit
 from fabrication.linkage.poses import check_poses
@@ -217,7 +217,7 @@ def cylinders(path: Path) -> list[tuple[np.ndarray, np.ndarray, float]]:
     from OCP.TopoDS import TopoDS
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
-    from fabrication.export.xcaf import free_labels, read_document
+    from fabrication.formats.step.xcaf import free_labels, read_document
 
     document, _ = read_document(path)
     found = []

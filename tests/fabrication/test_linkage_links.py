@@ -16,8 +16,8 @@ from ddgfab.errors import DetailError, InputError, ProjectError
 from ddgfab.linkages import Mechanism, knet_mechanism
 from ddgfab.nets import amsler
 from fabrication.checks.mesh import to_manifold
-from fabrication.export.step import Header, Material
 from fabrication.families import families
+from fabrication.formats.step import Header, Material
 from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
 from fabrication.linkage.coupon import coupon_shape
 from fabrication.linkage.facing import facings

@@ -238,7 +238,7 @@ def in_a_fresh_interpreter(lines: str) -> None:
     """Run a program that knows this module as t, without a display; it must say nothing."""
     folders = [str(Path(__file__).parent), str(Path(__file__).parents[2])]
     program = f"import sys; sys.path[:0] = {folders!r}\n"
-    program += f"import test_export_preview as t; from pathlib import Path\n{lines}\n"
+    program += f"import test_pictures_preview as t; from pathlib import Path\n{lines}\n"
     env = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     done = subprocess.run(
         [sys.executable, "-c", program], env=env, capture_output=True, text=True, timeout=120

@@ -16,7 +16,7 @@ import pytest
 from roofs import barrel
 
 from ddgfab.errors import OutputError
-from fabrication.export.stl import read_stl
+from fabrication.formats.stl import read_stl
 from fabrication.gridshell.design import Design, design
 from fabrication.pipeline import JobResult, make
 from fabrication.records import CHORD_MM

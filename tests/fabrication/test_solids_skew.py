@@ -11,7 +11,7 @@ import pytest
 from solids_table import FLAT, FREE, HOLES, RHS, T_BAR, beam
 
 from ddgfab.errors import DetailError
-from fabrication.export.step import Header, Material
+from fabrication.formats.step import Header, Material
 from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
 from fabrication.parts.beam import BeamShape, CrossHole, EndCut, fibre_ends
 from fabrication.parts.beam.congruence import beam_variants

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from fabrication.export.steprecords import Product
-from fabrication.export.steptext import encoded
-from fabrication.export.xcaf import mute, new_document
+from fabrication.formats.step.records import Product
+from fabrication.formats.step.text import encoded
+from fabrication.formats.step.xcaf import mute, new_document
 from fabrication.solids import solid_from
 
 

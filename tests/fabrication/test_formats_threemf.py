@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError
-from fabrication.checks.file import check_threemf
-from fabrication.checks.inspection import inspect_file
 from fabrication.checks.mesh import measure_mesh
-from fabrication.export.threemf import Body3MF, Item3MF, read_threemf, threemf_bytes, write_threemf
+from fabrication.formats.report import inspect_file
+from fabrication.formats.step.read import check_threemf
+from fabrication.formats.threemf import Body3MF, Item3MF, read_threemf, threemf_bytes, write_threemf
 from fabrication.specs import TriangleMesh
 
 CORNERS = np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]])

@@ -18,19 +18,19 @@ from xcaf_route import write_by_xcaf
 
 from ddgfab.errors import DegenerateError, KernelError
 from fabrication.boundary import Boundary
-from fabrication.checks.file import FILE_VOLUME_RELATIVE, check_step_part, matrix, read_step
-from fabrication.checks.whole import check_step_assembly
-from fabrication.export.step import (
+from fabrication.formats.step import (
     Header,
     Material,
     Product,
     write_assembly,
 )
-from fabrication.export.stepdirect import assembly_bytes, part_bytes
-from fabrication.export.stepgeometry import BoundaryShell, shell
-from fabrication.export.stepkernel import KernelShell
-from fabrication.export.steptext import quoted, real
-from fabrication.export.xcaf import components, free_labels, get_name, read_document
+from fabrication.formats.step.direct import assembly_bytes, part_bytes
+from fabrication.formats.step.geometry import BoundaryShell, shell
+from fabrication.formats.step.kernel import KernelShell
+from fabrication.formats.step.read import FILE_VOLUME_RELATIVE, check_step_part, matrix, read_step
+from fabrication.formats.step.text import quoted, real
+from fabrication.formats.step.whole import check_step_assembly
+from fabrication.formats.step.xcaf import components, free_labels, get_name, read_document
 from fabrication.solids import boundary_of, properties_of, solid_of
 from fabrication.specs import Role, Shape
 
@@ -143,7 +143,7 @@ def test_bytes_are_the_same_in_every_process_and_no_kernel_is_loaded() -> None:
     here = Path(__file__)
     program = (
         f"import sys; sys.path[:0] = [{str(here.parent)!r}, {str(here.parents[2])!r}]\n"
-        "import hashlib, test_export_stepdirect as t\n"
+        "import hashlib, test_formats_step_direct as t\n"
         "text = t.assembly_bytes(t.products(), t.INSTANCES, name='R', file_name='a')\n"
         "assert 'OCP' not in sys.modules\n"
         "print(hashlib.sha256(text).hexdigest())"

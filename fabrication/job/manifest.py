@@ -15,8 +15,8 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
-from fabrication.export.version import package_version
 from fabrication.specs import Check, Placement
+from fabrication.version import package_version
 
 MANIFEST: Final = "manifest.json"
 FORMAT_VERSION: Final = 1

@@ -8,10 +8,10 @@ from typing import Any, Final
 
 from ddgfab.errors import InputError
 from fabrication.checks.crossing import crossings
-from fabrication.checks.file import read_step
 from fabrication.checks.mesh import measure_mesh
-from fabrication.export.stl import read_stl
-from fabrication.export.threemf import read_threemf
+from fabrication.formats.step.read import read_step
+from fabrication.formats.stl import read_stl
+from fabrication.formats.threemf import read_threemf
 from fabrication.specs import TriangleMesh
 
 CROSSING_TRIANGLES: Final = 20_000

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from gridshell_kinds import KINDS
 
-from fabrication.export.glb import glb_bytes, write_glb
+from fabrication.formats.glb import glb_bytes, write_glb
 from fabrication.parts.panel import PanelShape
 from fabrication.specs import Family, Instance, TriangleMesh
 

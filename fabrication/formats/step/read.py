@@ -13,9 +13,9 @@ from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints
 from fabrication.checks.mesh import measure_mesh
 from fabrication.checks.solid import SolidReport, inspect_solid
-from fabrication.export.stl import read_stl
-from fabrication.export.threemf import DECIMALS
-from fabrication.export.xcaf import components, free_labels, get_name, read_document
+from fabrication.formats.step.xcaf import components, free_labels, get_name, read_document
+from fabrication.formats.stl import read_stl
+from fabrication.formats.threemf import DECIMALS
 from fabrication.specs import Check, TriangleMesh
 
 FILE_VOLUME_RELATIVE: Final = 1e-6

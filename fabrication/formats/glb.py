@@ -12,9 +12,9 @@ import numpy as np
 
 from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
-from fabrication.export.step import FAILED, FAILED_COLOR
-from fabrication.export.version import originating_system
+from fabrication.formats.step import FAILED, FAILED_COLOR
 from fabrication.specs import Color, Family, Finish, Kind, Placement, TriangleMesh
+from fabrication.version import originating_system
 
 GLASS_ALPHA: Final = 0.35
 """Opacity of what is made of glass."""

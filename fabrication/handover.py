@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from fabrication.export.step import location
+from fabrication.formats.step import location
 from fabrication.solids import solid_of
 from fabrication.solids.kernel import load_kernel
 from fabrication.specs import Family

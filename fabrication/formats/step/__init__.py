@@ -1,7 +1,7 @@
 """STEP files as manufacturers want them: named, coloured, layered, with validation properties.
 
 Product = part number, component instance = piece mark. All is written as text
-(`fabrication.export.stepdirect`); the kernel is asked only for the geometry of parts without an
+(`fabrication.formats.step.direct`); the kernel is asked only for the geometry of parts without an
 exact boundary.
 """
 
@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from ddgfab.io.atomic import atomic_write
-from fabrication.export.stepdirect import assembly_bytes, part_bytes
-from fabrication.export.steprecords import (
+from fabrication.formats.step.direct import assembly_bytes, part_bytes
+from fabrication.formats.step.records import (
     FAILED,
     FAILED_COLOR,
     Header,

@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Final
 
 from ddgfab.errors import InputError, OutputError
-from fabrication.export.manifest import MANIFEST, read_manifest
+from fabrication.job.manifest import MANIFEST, read_manifest
 
 _RESERVED: Final = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
 _LONGEST: Final = 100

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import DdgError, KernelError
-from fabrication.export.stepentities import (
+from fabrication.formats.step.entities import (
     COMMON,
     COMMON_CONTEXT,
     DEFINED,
@@ -30,18 +30,18 @@ from fabrication.export.stepentities import (
     SHELL,
     SOLID,
 )
-from fabrication.export.stepgeometry import LOCAL, BoundaryShell
-from fabrication.export.stepkernel import KernelShell
-from fabrication.export.steprecords import (
+from fabrication.formats.step.geometry import LOCAL, BoundaryShell
+from fabrication.formats.step.kernel import KernelShell
+from fabrication.formats.step.records import (
     Header,
     Material,
     Product,
     Schema,
     time_stamp,
 )
-from fabrication.export.steptext import STYLE_IDS, quoted, real, style
-from fabrication.export.version import originating_system
+from fabrication.formats.step.text import STYLE_IDS, quoted, real, style
 from fabrication.specs import Kind, Placement
+from fabrication.version import originating_system
 
 _LEAST_WIDTH: Final = 3
 """Least digits of local ids."""

@@ -15,11 +15,11 @@ import pytest
 from gridshell_kinds import KINDS
 
 from ddgfab.errors import KernelError, OutputError
-from fabrication.checks.file import check_step_part, read_step
-from fabrication.checks.whole import check_step_assembly
-from fabrication.export.step import Header, Material, Product, write_part
-from fabrication.export.step import write_assembly as write
-from fabrication.export.xcaf import (
+from fabrication.formats.step import Header, Material, Product, write_part
+from fabrication.formats.step import write_assembly as write
+from fabrication.formats.step.read import check_step_part, read_step
+from fabrication.formats.step.whole import check_step_assembly
+from fabrication.formats.step.xcaf import (
     components,
     free_labels,
     get_name,
@@ -281,7 +281,7 @@ def test_same_content_gives_the_same_bytes_twice_and_in_another_process(
     here = Path(__file__)
     program = (
         f"import sys; sys.path[:0] = [{str(here.parent)!r}, {str(here.parents[2])!r}]\n"
-        "import test_export_step as t; from pathlib import Path\n"
+        "import test_formats_step as t; from pathlib import Path\n"
         f"t.write(Path({str(path)!r}), t.products(), t.INSTANCES, name='Roof')\n"
     )
     subprocess.run(

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError
-from fabrication.checks.inspection import inspect_file
-from fabrication.export.stl import write_stl
+from fabrication.formats.report import inspect_file
+from fabrication.formats.stl import write_stl
 from fabrication.specs import TriangleMesh
 
 CORNERS = np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]])
@@ -97,7 +97,7 @@ def test_other_files_and_missing_ones_are_named(tmp_path: Path) -> None:
 def test_step_files(tmp_path: Path) -> None:
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
 
-    from fabrication.export.step import Product, write_assembly, write_part
+    from fabrication.formats.step import Product, write_assembly, write_part
     from fabrication.specs import Properties
 
     solid = BRepPrimAPI_MakeBox(10, 20, 30).Solid()

@@ -84,7 +84,7 @@ def _interrupts_ignored() -> Iterator[None]:
 def _warm_up() -> None:
     """Of a worker: end with the parent, load the kernel and keep it quiet."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    from fabrication.export.xcaf import mute
+    from fabrication.formats.step.xcaf import mute
     from fabrication.solids.kernel import load_kernel
 
     load_kernel()

@@ -12,7 +12,7 @@ import openpyxl
 import pytest
 
 from ddgfab.errors import OutputError
-from fabrication.export.tables import columns_of, csv_text, write_csv, write_xlsx
+from fabrication.formats.tables import columns_of, csv_text, write_csv, write_xlsx
 
 ROWS = [
     {

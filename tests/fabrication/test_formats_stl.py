@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError, OutputError
-from fabrication.checks.file import check_stl_part
-from fabrication.export.stl import read_stl, stl_bytes, write_stl
+from fabrication.formats.step.read import check_stl_part
+from fabrication.formats.stl import read_stl, stl_bytes, write_stl
 from fabrication.specs import TriangleMesh
 
 

@@ -11,7 +11,7 @@ import threading
 from typing import Any, Final
 
 from ddgfab.errors import KernelError
-from fabrication.export.xcaf import mute
+from fabrication.formats.step.xcaf import mute
 
 _SHELL: Final = re.compile(rb"#(\d+) = CLOSED_SHELL")
 _CONTEXT: Final = re.compile(rb"#(\d+) = \( GEOMETRIC_REPRESENTATION_CONTEXT")

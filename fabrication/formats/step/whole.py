@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import InputError
-from fabrication.checks.file import FILE_VOLUME_RELATIVE, STEP_UNIT, read_step
+from fabrication.formats.step.read import FILE_VOLUME_RELATIVE, STEP_UNIT, read_step
 from fabrication.specs import Check, Placement
 
 PLACEMENT_MM: Final = 1e-6

@@ -31,7 +31,7 @@ def write_step_circles(path: str | Path, curves: Mapping[str, Circles | Spheres]
     from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
     from OCP.TopoDS import TopoDS_Compound
 
-    from fabrication.export.xcaf import mute
+    from fabrication.formats.step.xcaf import mute
 
     mute()
     builder, whole = BRep_Builder(), TopoDS_Compound()

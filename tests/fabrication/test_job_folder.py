@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError, OutputError
-from fabrication.export.folder import OutputFolder, safe_name
-from fabrication.export.manifest import (
+from fabrication.job.folder import OutputFolder, safe_name
+from fabrication.job.manifest import (
     build_manifest,
     file_records,
     part_record,

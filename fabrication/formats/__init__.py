@@ -1,0 +1,1 @@
+"""Formats: one file or folder each, with all that is known of it."""
