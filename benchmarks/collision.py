@@ -15,7 +15,7 @@ from ddgfab.linkages import Mechanism, knet_mechanism
 from ddgfab.linkages.lattice import Lattice
 from ddgfab.nets.knet_dini import of_normals
 from fabrication.linkage.bodies import bodies
-from fabrication.linkage.links import detail_linkage
+from fabrication.linkage.detail import detail_linkage
 from fabrication.linkage.settings import settings_for
 from fabrication.motion.convex import ConvexPieces
 from fabrication.motion.free_range import free_motion

@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 
 from fabrication.linkage.bodies import bodies
+from fabrication.linkage.detail import detail_linkage
 from fabrication.linkage.kit import find_kit_project
-from fabrication.linkage.links import detail_linkage
 from fabrication.linkage.widen import motion_of
 
 NET = ["knet", "--set", "linkage.cells=[6,6]", "--set", "linkage.deltas_deg=[12,12]"]

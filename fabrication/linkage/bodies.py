@@ -6,18 +6,14 @@ eyes lies in the hull of the corners in which its edges meet them.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ddgfab.mesh import Floats
+from fabrication.linkage.links import Linkage
 from fabrication.linkage.pieces import Pin
 from fabrication.motion.convex import Body, ConvexPiece, cylinder, hull
 from fabrication.parts.link import LinkShape
 from fabrication.parts.link.frame import Eye, bar_corners, eyes_of, label_corners
-
-if TYPE_CHECKING:
-    from fabrication.linkage.links import Linkage
 
 
 def bodies(linkage: Linkage) -> tuple[Body, ...]:

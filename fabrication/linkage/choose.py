@@ -19,7 +19,7 @@ from ddgfab.errors import DetailError
 from ddgfab.linkages import Mechanism, Pose
 from ddgfab.mesh import Floats, Ints
 from fabrication.linkage.settings import LinkageSettings
-from fabrication.linkage.shapes import heights_of, link_shapes, seats_of
+from fabrication.linkage.shapes import heights_of, link_shapes, slots_of
 from fabrication.motion.contacts import segment_difference
 from fabrication.parts.link import LinkShape, link_key_of
 from fabrication.parts.link.boundary import link_boundary
@@ -80,10 +80,10 @@ def rank_levels(
             fault = fault or error
             continue
         swept = swept or _Swept(mechanism, settings)
-        stacks = seats_of(mechanism, heights, settings)
+        stacks = slots_of(mechanism, heights, settings)
         spans = np.array([(stack[1].low, stack[-1].high) for stack in stacks])
         numbers = len({link_key_of(shape) for shape in shapes})
-        spacers = sum(seat.kind == SPACER for stack in stacks for seat in stack)
+        spacers = sum(slot.kind == SPACER for stack in stacks for slot in stack)
         found.append(Choice(levels, numbers, spacers, swept.free_range(shapes, heights, spans)))
     if not found:
         raise fault or DetailError("there are no levels to choose from")

@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 
-from ddgfab.errors import DetailError
 from ddgfab.linkages import Mechanism, Pose
 from ddgfab.mesh import Floats, Ints
 from fabrication.families import families
-from fabrication.linkage.bodies import bodies
-from fabrication.linkage.choose import Prefer, check_links, rank_levels
 from fabrication.linkage.coupon import coupon_shape, pin_for_test
 from fabrication.linkage.labels import label_for, short_number
-from fabrication.linkage.levels import even_levels
 from fabrication.linkage.pieces import ORDER, Fitting, Link, LinkagePiece, Loose, Pin
 from fabrication.linkage.settings import LinkageSettings
-from fabrication.linkage.shapes import Seat, heights_of, link_shapes, seats_of
-from fabrication.motion.convex import ConvexPieces
-from fabrication.motion.free_range import JOINT_CLEARANCE
-from fabrication.motion.pairs import Rules
-from fabrication.motion.proof import Search
+from fabrication.linkage.shapes import Slot, heights_of, link_shapes, slots_of
 from fabrication.parts.coupon import COUPON
 from fabrication.parts.link import LINK, LinkShape
 from fabrication.parts.pin import PIN
@@ -34,9 +25,6 @@ from fabrication.specs import Check, Family, Kind, Placement
 
 LINK_TOLERANCE: Final = 1e-6
 """Links are congruent within this [mm]: linkages with redundant bars allow no more."""
-
-MOST_TRIED: Final = 12
-"""How many choices of levels are tried before it is said that none keeps the parts apart."""
 
 ASIDE: Final = 20.0
 """How far [mm] below the linkage its coupon is shown."""
@@ -66,7 +54,7 @@ class Linkage:
     levels : (E, 2) of the bars' ends, from 0 along the axes
     heights : (E, 2) of the eyes' middles along their axes [mm]
     stacks : what is on each pin, from below, the pin itself first
-    notes : what a maker has to hear
+    notes : remarks for who prints and assembles them, such as links without a label
     """
 
     mechanism: Mechanism
@@ -94,18 +82,18 @@ class Linkage:
     def placements_at(self, pose: Pose) -> dict[str, Placement]:
         """Placements (4, 4) of the mechanism's pieces in a pose, by mark, for their own shapes.
 
-        An instance of a family may be turned against its piece: its placement in the design pose
-        tells how. The coupon and its pin are no part of the mechanism and are left out.
+        An instance of a family may be turned against its piece: compare their placements in the
+        design pose. The coupon and its pin are no part of the mechanism and are left out.
         """
         links = self.mechanism.bar_frames(pose)
         hinges = hinge_frames(self.mechanism, pose)
         placed: dict[str, Placement] = {link.mark: links[link.bar] for link in self.links}
         for piece in self.on_pins:
-            placed[piece.mark] = hinges[piece.hinge] @ self._seat[piece.mark]
+            placed[piece.mark] = hinges[piece.hinge] @ self._on_hinge[piece.mark]
         return placed
 
     @cached_property
-    def _seat(self) -> dict[str, Floats]:
+    def _on_hinge(self) -> dict[str, Floats]:
         """Placement of pins and fittings in the frame of their hinge."""
         design = hinge_frames(self.mechanism, self.mechanism.pose(self.mechanism.design))
         return {
@@ -129,82 +117,14 @@ def hinge_frames(mechanism: Mechanism, pose: Pose) -> Floats:
     return frames
 
 
-def detail_linkage(
-    mechanism: Mechanism,
-    settings: LinkageSettings,
-    levels: Ints | Iterable[Ints] | None = None,
-    prefer: Prefer = "parts",
-) -> Linkage:
-    """Parts of a mechanism, in its design pose, in which they do not touch.
-
-    Parameters
-    ----------
-    levels : (E, 2) of the bars' ends, taken as they are; or choices of them, or by default all that
-        `fabrication.linkage.levels.even_levels` gives, of which the best that fits is taken
-    prefer : what the best one is: "parts" for few part numbers, "range" for a large free range
+def linkage_at(mechanism: Mechanism, settings: LinkageSettings, levels: Ints) -> Linkage:
+    """All parts of a mechanism in its design pose, for given levels (E, 2) of the bars' ends.
 
     Raises
     ------
     DetailError
-        A link that cannot be made: it is named with its pins, the value, the limit and what helps;
-        or parts that touch in the design pose whatever the levels: they are named with their pins.
+        A link that cannot be made: it is named with its pins, the value and the limit.
     """
-    if isinstance(levels, np.ndarray):
-        shapes = link_shapes(mechanism, heights_of(levels, settings), settings)
-        check_links(mechanism, shapes)
-        return _kit(mechanism, settings, levels)
-    choices = even_levels(mechanism, settings.max_levels) if levels is None else levels
-    first: Touch | None = None
-    for choice in rank_levels(mechanism, settings, choices, prefer)[:MOST_TRIED]:
-        linkage = _kit(mechanism, settings, choice.levels)
-        touching = touching_parts(linkage)
-        if not touching:
-            return linkage
-        first = first or touching[0]
-    assert first is not None
-    raise _no_levels(mechanism, first)
-
-
-@dataclass(frozen=True)
-class Touch:
-    """Two parts that are too near each other: their marks, gap and limit [mm]."""
-
-    marks: tuple[str, str]
-    gap: float
-    limit: float
-
-
-def touching_parts(linkage: Linkage) -> tuple[Touch, ...]:
-    """Parts too near each other in the design pose, worst first; then those on one pin whose
-    distance never changes."""
-    mechanism, solids = linkage.mechanism, bodies(linkage)
-    pieces = ConvexPieces.build(mechanism, solids)
-    rules = Rules.build(mechanism, solids, linkage.settings.axial_gap, JOINT_CLEARANCE)
-    search = Search(mechanism, pieces, rules)
-    return tuple(
-        Touch((solids[pieces.body[k.a]].mark, solids[pieces.body[k.b]].mark), k.gap, k.limit)
-        for k in search.too_near(mechanism.design) + search.standing()
-    )
-
-
-def _no_levels(mechanism: Mechanism, touch: Touch) -> DetailError:
-    """What to say where no levels help: the parts and pins that meet."""
-
-    def words(mark: str) -> str:
-        if not mark.startswith("L"):
-            return mark
-        i, j = mechanism.bars[int(mark[2:])].tolist()
-        return f"{mark} (on pins {PIN.mark_of(i)}, {PIN.mark_of(j)})"
-
-    return DetailError(
-        f"no levels keep all parts apart in the design pose: {words(touch.marks[0])} and "
-        f"{words(touch.marks[1])} are {touch.gap:.3g} mm apart; limit {touch.limit:g} mm.\n"
-        f"Take another design pose, longer or slimmer bars, or smaller eyes"
-    )
-
-
-def _kit(mechanism: Mechanism, settings: LinkageSettings, levels: Ints) -> Linkage:
-    """All parts for given levels."""
     heights = heights_of(levels, settings)
     shapes = link_shapes(mechanism, heights, settings)
     pose = mechanism.pose(mechanism.design)
@@ -216,7 +136,7 @@ def _kit(mechanism: Mechanism, settings: LinkageSettings, levels: Ints) -> Linka
     }
     notes: list[str] = []
     links = [_labelled(link, numbers[link.mark], settings, notes) for link in links]
-    stacks = seats_of(mechanism, heights, settings)
+    stacks = slots_of(mechanism, heights, settings)
     pins, fittings, items = _fittings(stacks, hinge_frames(mechanism, pose), pose)
     loose = _coupon(settings, pose) if settings.coupon else ()
     pieces: list[LinkagePiece] = [*links, *pins, *fittings, *loose]
@@ -289,7 +209,7 @@ def link_checks(
 
 
 def _fittings(
-    stacks: list[list[Seat]], frames: Floats, pose: Pose
+    stacks: list[list[Slot]], frames: Floats, pose: Pose
 ) -> tuple[tuple[Pin, ...], tuple[Fitting, ...], tuple[tuple[StackItem, ...], ...]]:
     """Pins by hinge, then caps and spacers by hinge; and the stacks by mark."""
     pins: list[Pin] = []
@@ -298,27 +218,27 @@ def _fittings(
     for hinge, stack in enumerate(stacks):
         row = []
         count = {CAP: 0, SPACER: 0}
-        for seat in stack:
-            if seat.bar is not None:
-                mark = LINK.mark_of(seat.bar)
-            elif seat.pin is not None:
+        for slot in stack:
+            if slot.bar is not None:
+                mark = LINK.mark_of(slot.bar)
+            elif slot.pin is not None:
                 mark = PIN.mark_of(hinge)
             else:
-                mark = f"{seat.kind.mark_of(hinge)}-{count[seat.kind]}"
-                count[seat.kind] += 1
-            row.append(StackItem(mark, seat.kind, seat.low, seat.high))
+                mark = f"{slot.kind.mark_of(hinge)}-{count[slot.kind]}"
+                count[slot.kind] += 1
+            row.append(StackItem(mark, slot.kind, slot.low, slot.high))
             motion = np.eye(4)
-            motion[2, 3] = seat.low
-            if seat.turned:
+            motion[2, 3] = slot.low
+            if slot.turned:
                 motion[[1, 2], [1, 2]] = -1.0
-                motion[2, 3] = seat.high
+                motion[2, 3] = slot.high
             placement = frames[hinge] @ motion
-            if seat.pin is not None:
+            if slot.pin is not None:
                 pins.append(
-                    Pin(mark, hinge, pose.points[hinge], pose.axes[hinge], seat.pin, placement)
+                    Pin(mark, hinge, pose.points[hinge], pose.axes[hinge], slot.pin, placement)
                 )
-            elif seat.ring is not None:
-                others.append(Fitting(mark, seat.kind, hinge, seat.ring, placement))
+            elif slot.ring is not None:
+                others.append(Fitting(mark, slot.kind, hinge, slot.ring, placement))
         items.append(tuple(row))
     return tuple(pins), tuple(others), tuple(items)
 

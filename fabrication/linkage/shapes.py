@@ -45,8 +45,8 @@ def link_shapes(
 
 
 @dataclass(frozen=True)
-class Seat:
-    """What sits on a pin from `low` to `high` [mm along the hinge's axis], and of which kind.
+class Slot:
+    """A place on a pin from `low` to `high` [mm along the hinge's axis], and its part's kind.
 
     bar : of a link, else None
     pin : the shape of a pin, else None
@@ -63,7 +63,7 @@ class Seat:
     turned: bool = False
 
 
-def seats_of(mechanism: Mechanism, heights: Floats, settings: LinkageSettings) -> list[list[Seat]]:
+def slots_of(mechanism: Mechanism, heights: Floats, settings: LinkageSettings) -> list[list[Slot]]:
     """For each hinge its pin first, then from below what is on it: caps, links, spacers.
 
     Everything on a pin has the axial gap to its neighbours; spacers fill levels that are empty in
@@ -78,23 +78,23 @@ def seats_of(mechanism: Mechanism, heights: Floats, settings: LinkageSettings) -
         ends = mechanism.bars[bars] == hinge
         at = sorted(zip(heights[bars][ends].tolist(), bars, strict=True))
         low, high = at[0][0] - half - s.axial_gap, at[-1][0] + half + s.axial_gap
-        stack: list[Seat] = []
+        stack: list[Slot] = []
         if s.pin == "metal":
             length = high - low + 2.0 * s.cap_grip
             pin = PinShape(s.pin_diameter, length)
-            stack.append(Seat(PIN, low - s.cap_grip, high + s.cap_grip, pin=pin))
-            stack.append(Seat(CAP, low - cap.height, low, ring=cap, turned=True))
+            stack.append(Slot(PIN, low - s.cap_grip, high + s.cap_grip, pin=pin))
+            stack.append(Slot(CAP, low - cap.height, low, ring=cap, turned=True))
         else:
             pin = PinShape(s.pin_diameter, high - low + s.cap_grip, s.cap_diameter, s.head_height)
-            stack.append(Seat(PIN, low, high + s.cap_grip, pin=pin))
+            stack.append(Slot(PIN, low, high + s.cap_grip, pin=pin))
         below = at[0][0]
         for place, bar in at:
             foot, top = below + half + s.axial_gap, place - half - s.axial_gap
             if top - foot > s.axial_gap:
                 ring = RingShape(s.eye_diameter, s.bore, top - foot)
-                stack.append(Seat(SPACER, foot, top, ring=ring))
-            stack.append(Seat(LINK, place - half, place + half, bar=bar))
+                stack.append(Slot(SPACER, foot, top, ring=ring))
+            stack.append(Slot(LINK, place - half, place + half, bar=bar))
             below = place
-        stack.append(Seat(CAP, high, high + cap.height, ring=cap))
+        stack.append(Slot(CAP, high, high + cap.height, ring=cap))
         stacks.append(stack)
     return stacks

@@ -13,8 +13,9 @@ from ddgfab.errors import DetailError, InputError
 from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Ints
 from fabrication.linkage.bodies import bodies
+from fabrication.linkage.detail import detail_linkage
 from fabrication.linkage.levels import even_levels, slanted_levels
-from fabrication.linkage.links import Linkage, detail_linkage
+from fabrication.linkage.links import Linkage
 from fabrication.linkage.settings import LinkageSettings, check_settings
 from fabrication.motion.free_range import FreeMotion, free_motion, maximize_range
 

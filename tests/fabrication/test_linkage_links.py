@@ -20,16 +20,11 @@ from fabrication.families import families
 from fabrication.formats.step import Header, Material
 from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
 from fabrication.linkage.coupon import coupon_shape
+from fabrication.linkage.detail import detail_linkage, touching_parts
 from fabrication.linkage.facing import facings
 from fabrication.linkage.labels import label_for, short_number
 from fabrication.linkage.levels import slanted_levels
-from fabrication.linkage.links import (
-    Linkage,
-    detail_linkage,
-    hinge_frames,
-    link_checks,
-    touching_parts,
-)
+from fabrication.linkage.links import Linkage, hinge_frames, link_checks
 from fabrication.linkage.pieces import Fitting, Link, Pin
 from fabrication.linkage.settings import settings_for
 from fabrication.parts.coupon import COUPON, CouponShape

@@ -9,8 +9,8 @@ from ddgfab.errors import KernelError
 from ddgfab.linkages import crab_mechanism
 from ddgfab.nets.knet_crab import crab_net
 from fabrication.linkage.bodies import bodies
+from fabrication.linkage.detail import detail_linkage
 from fabrication.linkage.kit import Kit, kit
-from fabrication.linkage.links import detail_linkage
 from fabrication.linkage.poses import check_poses, limit_on_pin
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.linkage.settings import settings_for

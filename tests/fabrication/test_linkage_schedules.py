@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from ddgfab.linkages import Mechanism
-from fabrication.linkage.links import Linkage, detail_linkage
+from fabrication.linkage.detail import detail_linkage
+from fabrication.linkage.links import Linkage
 from fabrication.linkage.project import make_kit_project
 from fabrication.linkage.schedules import bar_azimuths, hinge_order, kit_schedules
 from fabrication.solids import volume_of
