@@ -17,7 +17,7 @@ from fabrication.linkage.scene import moving_scene
 
 TARGET = Path(__file__).parent / "linkages.png"
 SIZE = (400, 300)
-COLOURS = 48
+COLORS = 48
 # The part of the free range at which each is shown, below and above.
 SHOWN = {"bennett": (0.25, 0.75), "cube": (0.35, 0.7), "knet": (0.45, 0.85), "crab": (0.45, 1.0)}
 
@@ -42,7 +42,7 @@ def main() -> None:
         made = kit(kind, cells=[5, 5], deltas_deg=[12.0, 12.0]) if kind == "knet" else kit(kind)
         for row, picture in enumerate(pictures(made, shown)):
             sheet.paste(picture, (column * SIZE[0], row * SIZE[1]))
-    sheet.quantize(COLOURS).save(TARGET, optimize=True)
+    sheet.quantize(COLORS).save(TARGET, optimize=True)
 
 
 if __name__ == "__main__":

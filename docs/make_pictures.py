@@ -88,12 +88,12 @@ def part(mesh: Mesh) -> Mesh:
     return Mesh.build(mesh.vertices, [mesh.face(k) for k in far])
 
 
-def wires(show: object, points: Floats, edges: Ints, colour: str, width: float) -> None:
+def wires(show: object, points: Floats, edges: Ints, color: str, width: float) -> None:
     """Lines between points."""
     import pyvista
 
     segments = pyvista.line_segments_from_points(points[edges].reshape(-1, 3))
-    show.add_mesh(segments, color=colour, line_width=width, lighting=False)  # type: ignore[attr-defined]
+    show.add_mesh(segments, color=color, line_width=width, lighting=False)  # type: ignore[attr-defined]
 
 
 def frame(show: object, points: Floats, towards: Floats) -> None:

@@ -112,18 +112,18 @@ def frame(show: Any, points: Floats, towards: Floats, aspect: float) -> None:
     show.reset_camera_clipping_range()
 
 
-def draw_mesh(show: Any, mesh: Mesh, towards: Floats, colour: str = GLASS) -> None:
+def draw_mesh(show: Any, mesh: Mesh, towards: Floats, color: str = GLASS) -> None:
     """Faces and, a little nearer to the eye, edges."""
     import pyvista
 
-    show.add_mesh(surface(mesh), color=colour, backface_params={"color": BACK}, **STYLE)
+    show.add_mesh(surface(mesh), color=color, backface_params={"color": BACK}, **STYLE)
     ahead = 0.004 * mesh.diameter * towards / np.linalg.norm(towards)
     lines = pyvista.line_segments_from_points((mesh.vertices + ahead)[mesh.edges].reshape(-1, 3))
     show.add_mesh(lines, color=LINE, line_width=1.3, lighting=False)
 
 
 def draw_circles(show: Any, net: SIsothermic, towards: Floats, *, filled: bool) -> None:
-    """Incircles in one colour, circles of the vertices in another, on the unit sphere."""
+    """Incircles in one color, circles of the vertices in another, on the unit sphere."""
     import pyvista
 
     ahead = 0.004 * towards / np.linalg.norm(towards)
@@ -133,9 +133,9 @@ def draw_circles(show: Any, net: SIsothermic, towards: Floats, *, filled: bool) 
     pairs = [(net.incircles, LINE, 1.3)]
     if net.vertex_circles is not None:
         pairs.append((net.vertex_circles, WARM, 1.0))
-    for circles, colour, width in pairs:
+    for circles, color, width in pairs:
         lines = pyvista.line_segments_from_points(rings(circles) * 1.001 + ahead)
-        show.add_mesh(lines, color=colour, line_width=width, lighting=False)
+        show.add_mesh(lines, color=color, line_width=width, lighting=False)
 
 
 def panel(draw: Callable[[Any], None], points: Floats, towards: Floats) -> Any:
@@ -154,7 +154,7 @@ def panel(draw: Callable[[Any], None], points: Floats, towards: Floats) -> Any:
 
 
 def finished(panels: list[Any], name: str) -> Path:
-    """Panels side by side as a file with few colours, so that it stays small."""
+    """Panels side by side as a file with few colors, so that it stays small."""
     from PIL import Image
 
     whole = Image.new("RGB", (PANEL[0] * len(panels), PANEL[1]), "white")
@@ -167,7 +167,7 @@ def finished(panels: list[Any], name: str) -> Path:
 
 
 def picture(name: str) -> Path:
-    """Circle pattern, Koebe polyhedron (what is dualised in colour), minimal surface."""
+    """Circle pattern, Koebe polyhedron (what is dualised in color), minimal surface."""
     make, whole, view = GALLERY[name]
     net, towards = make(), np.array(view)
     ball = np.array([*np.eye(3), *-np.eye(3)])

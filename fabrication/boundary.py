@@ -49,7 +49,7 @@ class Boundary:
     points : (P, 3) vertices [mm]
     edges : (E, 2) point ids, start and end
     edge_arc : (E,) -1 for a line, else the row of its arc
-    arc_centre, arc_a, arc_b : (A, 3) of p(t) = centre + cos(t) a + sin(t) b, a perpendicular to b
+    arc_center, arc_a, arc_b : (A, 3) of p(t) = center + cos(t) a + sin(t) b, a perpendicular to b
     arc_range : (A, 2) first and last parameter [rad], increasing, at most half a turn apart
     face_cylinder : (F,) whether the face is part of a cylinder
     face_origin : (F, 3) a point of the plane, or of the cylinder's axis
@@ -67,7 +67,7 @@ class Boundary:
     points: Floats
     edges: Ints
     edge_arc: Ints
-    arc_centre: Floats
+    arc_center: Floats
     arc_a: Floats
     arc_b: Floats
     arc_range: Floats
@@ -121,7 +121,7 @@ class Boundary:
         """Points of some arcs (n,) at parameters t (n, m) [rad], as (n, m, 3)."""
         cos, sin = np.cos(t)[..., None], np.sin(t)[..., None]
         a, b = self.arc_a[arcs][:, None], self.arc_b[arcs][:, None]
-        return np.asarray(self.arc_centre[arcs][:, None] + cos * a + sin * b)
+        return np.asarray(self.arc_center[arcs][:, None] + cos * a + sin * b)
 
     def edge_points(self, s: Floats) -> Floats:
         """Points of all edges at the parts s (m,) of their parameter range 0..1, as (E, m, 3)."""
@@ -139,7 +139,7 @@ class Boundary:
             self.points @ turn.T + shift,
             self.edges,
             self.edge_arc,
-            self.arc_centre @ turn.T + shift,
+            self.arc_center @ turn.T + shift,
             self.arc_a @ turn.T,
             self.arc_b @ turn.T,
             self.arc_range,

@@ -38,7 +38,7 @@ def to_build123d(name: str, families: Sequence[Family]) -> Any:
 
 
 def to_cadquery(name: str, families: Sequence[Family]) -> Any:
-    """The pieces as a `cadquery.Assembly` [mm]: one child a piece, named by its mark, coloured.
+    """The pieces as a `cadquery.Assembly` [mm]: one child a piece, named by its mark, colored.
 
     The part number of a piece is in its metadata under "number".
     """
@@ -48,13 +48,13 @@ def to_cadquery(name: str, families: Sequence[Family]) -> Any:
     assembly = cq.Assembly(name=name)
     for family in families:
         shape = cq.Solid(solid_of(family.shape))
-        colour = cq.Color(*family.kind.color)
+        color = cq.Color(*family.kind.color)
         for instance in family.instances:
             assembly.add(
                 shape,
                 name=instance.mark,
                 loc=cq.Location(location(instance.placement)),
-                color=colour,
+                color=color,
                 metadata={"number": family.number},
             )
     return assembly

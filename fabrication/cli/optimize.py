@@ -33,7 +33,7 @@ def optimize_command(
         list[str] | None, typer.Option("--set", help="A setting of [optimize]: key=value.")
     ] = None,
     scale: Annotated[float, typer.Option(help="Factor on the coordinates, to mm.")] = 1.0,
-    picture: Annotated[bool, typer.Option(help="Write TARGET.png, colours by movement.")] = True,
+    picture: Annotated[bool, typer.Option(help="Write TARGET.png, colors by movement.")] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -50,13 +50,13 @@ def optimize_command(
         from ddgfab.io.atomic import atomic_path
         from ddgfab.optimize import TorsionFreeResult
         from ddgfab.optimize.report import comparison, comparison_text
-        from fabrication.gridshell.design import optimise
+        from fabrication.gridshell.design import optimize_mesh
 
         check_target(target)
         settings = _settings(goal, boundary, fix, features, max_movement, change or [])
         read = read_mesh(source, scale)
         try:
-            result = optimise(read.mesh, settings, tell)
+            result = optimize_mesh(read.mesh, settings, tell)
         except OptimizeError as error:
             if debug or error.result is None:
                 raise

@@ -186,11 +186,11 @@ def _material(name: str, color: Color, finish: Finish) -> dict[str, Any]:
     srgb = np.array(color)
     linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
     glass = finish == "glass"
-    colour = [*(round(float(x), 6) for x in linear), GLASS_ALPHA if glass else 1.0]
+    factor = [*(round(float(x), 6) for x in linear), GLASS_ALPHA if glass else 1.0]
     material: dict[str, Any] = {
         "name": name,
         "pbrMetallicRoughness": {
-            "baseColorFactor": colour,
+            "baseColorFactor": factor,
             "metallicFactor": 0.1 if glass else 0.6,
             "roughnessFactor": 0.1 if glass else 0.5,
         },

@@ -1,4 +1,4 @@
-"""3MF straight from arrays: named, coloured objects in millimetres, placed; and back to meshes.
+"""3MF straight from arrays: named, colored objects in millimetres, placed; and back to meshes.
 
 Core specification 1.3: a zip with one model; `<object>` is a mesh, `<item>` places one.
 """
@@ -32,7 +32,7 @@ ROTATION_DECIMALS: Final = 12
 
 NAMESPACE: Final = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 
-Colour = tuple[float, float, float]
+Color = tuple[float, float, float]
 
 _CORE: Final = f"{{{NAMESPACE}}}"
 _MODEL: Final = "3D/3dmodel.model"
@@ -63,11 +63,11 @@ _MILLIMETRES: Final = {
 
 @dataclass(frozen=True, eq=False)
 class Body3MF:
-    """An object of a 3MF: its name, mesh [mm] and colour (sRGB, 0 to 1)."""
+    """An object of a 3MF: its name, mesh [mm] and color (sRGB, 0 to 1)."""
 
     name: str
     mesh: TriangleMesh
-    colour: Colour = (0.75, 0.75, 0.75)
+    color: Color = (0.75, 0.75, 0.75)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ class Content3MF:
     """A 3MF read back, in millimetres.
 
     unit : of the file
-    bodies : the meshes with their names; the colour is not read
+    bodies : the meshes with their names; the color is not read
     placed : how often the build places each body, through components too
     """
 
@@ -104,18 +104,18 @@ def threemf_bytes(
     """
     if items is None:
         items = [Item3MF(i, body.name, np.eye(4)) for i, body in enumerate(bodies)]
-    colours = list(dict.fromkeys(_hex(body.colour) for body in bodies))
+    colors = list(dict.fromkeys(_hex(body.color) for body in bodies))
     parts = [
         f'{_PROLOGUE}<model unit="millimeter" xml:lang="en-US" xmlns="{NAMESPACE}">\n'
         f'<metadata name="Title">{_text(title)}</metadata>\n'
         '<metadata name="Application">ddgfab</metadata>\n<resources>\n<basematerials id="1">'
     ]
-    parts += [f'<base name="{colour}" displaycolor="{colour}"/>' for colour in colours]
+    parts += [f'<base name="{color}" displaycolor="{color}"/>' for color in colors]
     parts.append("</basematerials>\n")
     for key, body in enumerate(bodies, 2):
         parts.append(
             f'<object id="{key}" type="model" name={quoteattr(body.name)} '
-            f'pid="1" pindex="{colours.index(_hex(body.colour))}">\n{_mesh_xml(body.mesh)}'
+            f'pid="1" pindex="{colors.index(_hex(body.color))}">\n{_mesh_xml(body.mesh)}'
             "</object>\n"
         )
     parts.append("</resources>\n<build>\n")
@@ -214,8 +214,8 @@ def _transform(placement: Placement) -> str:
     return " ".join(f"{value:.15g}" for value in [*turn.tolist(), *shift.tolist()])
 
 
-def _hex(colour: Colour) -> str:
-    return "#" + "".join(f"{round(255 * channel):02X}" for channel in colour)
+def _hex(color: Color) -> str:
+    return "#" + "".join(f"{round(255 * channel):02X}" for channel in color)
 
 
 def _text(text: str) -> str:

@@ -118,7 +118,7 @@ class Design:
         return to_build123d(self.project.name, self.families)
 
     def to_cadquery(self) -> Any:
-        """A `cadquery.Assembly` with a named, coloured, placed solid for each piece."""
+        """A `cadquery.Assembly` with a named, colored, placed solid for each piece."""
         from fabrication.handover import to_cadquery
 
         return to_cadquery(self.project.name, self.families)
@@ -184,10 +184,10 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
 
     optimized = None
     if project.optimize.goal != "none":
-        start("optimise")
-        optimized = optimise(net.mesh, project.optimize, tell)
+        start("optimize")
+        optimized = optimize_mesh(net.mesh, project.optimize, tell)
         net = replace(net, mesh=optimized.mesh, notes=(*net.notes, *optimized.remarks))
-        stop("optimise")
+        stop("optimize")
     start("measure")
     measures = inspect(net.mesh)
     stop("measure")
@@ -206,7 +206,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     return Design(project, net, measures, support, gridshell, grouped, seconds, optimized)
 
 
-def optimise(
+def optimize_mesh(
     mesh: Mesh, settings: OptimizeSettings, progress: Progress | None = None
 ) -> OptimizeResult:
     """The mesh [mm] made what the settings ask for, with its report.
@@ -229,7 +229,7 @@ def optimise(
         feature_angle=None if angle is None else math.radians(angle),
         max_movement=settings.max_movement_mm,
         **_own_options(settings),
-        progress=lambda stage, number, step: tell(f"optimise: {stage}", number, 0),
+        progress=lambda stage, number, step: tell(f"optimize: {stage}", number, 0),
     )
 
 

@@ -164,7 +164,7 @@ class BeamSettings(Section):
     ----------
     profile : designation ("FL 60x8", "RHS 120x60x5", "SHS 60x4", "T 60x60x7": depth x width
         [x thickness]) or corners [[y, z], ...] in mm, y across, z up
-    eccentricity_mm : the profile's datum (top centre) above the mesh edge, in the plane pi(e)
+    eccentricity_mm : the profile's datum (top center) above the mesh edge, in the plane pi(e)
     end : "flat" (a plane parallel to the node axis) or "cope" (the node's cylinder)
     clearance_mm : between the cut and the node; 0.5 leaves room for paint and length tolerance
     bolt : a cross hole near each end for this bolt, or "none"
@@ -260,7 +260,7 @@ class CheckSettings(Section):
     accept : the worst class that passes: "flat" (the panes are made flat) or "cold-bend"
     planarity_mm : greatest distance of a corner from the pane's plane, whatever the class
     min_angle_deg : azimuth difference of neighbouring arms
-    torsion_deg : of an edge; default 0.1, the limit for optimised structures
+    torsion_deg : of an edge; default 0.1, the limit for optimized structures
     family_tolerance_mm : parts whose corners agree within it share a part number
     verify : which files are read back: one for every part number, one in ten, or none
     """

@@ -28,8 +28,8 @@ MILLISECONDS: Final = 60
 REST: Final = 6
 """At either end the last picture stays so many times as long."""
 
-COLOURS: Final = 64
-"""Colours of the GIF's palette."""
+COLORS: Final = 64
+"""Colors of the GIF's palette."""
 
 _SAMPLES: Final = 2  # drawn so many times finer than shown, each way
 _LOOK: Final = {"ambient": 0.45, "diffuse": 0.70, "specular": 0.15, "specular_power": 15}
@@ -83,7 +83,7 @@ def _frames(pyvista: Any, scene: MovingScene, size: tuple[int, int]) -> list[NDA
                 mesh = pyvista.PolyData(
                     _points(scene, members, int(poses[0])), _faces(scene, members)
                 )
-                plotter.add_mesh(mesh, color=group.colour, smooth_shading=False, **_LOOK)
+                plotter.add_mesh(mesh, color=group.color, smooth_shading=False, **_LOOK)
                 moving.append((mesh, members))
         plotter.camera.position = tuple(view.position)
         plotter.camera.focal_point = tuple(view.focus)
@@ -140,12 +140,12 @@ def _gif(pictures: Sequence[NDArray[np.uint8]]) -> bytes:
     from PIL import Image
 
     small = [Image.fromarray(picture).reduce(_SAMPLES) for picture in pictures]
-    # The palette is that of a strip of some of them: the colours do not flicker.
+    # The palette is that of a strip of some of them: the colors do not flicker.
     some = small[:: max(1, len(small) // 6)]
     strip = Image.new("RGB", (some[0].width, some[0].height * len(some)))
     for at, picture in enumerate(some):
         strip.paste(picture, (0, at * picture.height))
-    palette = strip.quantize(COLOURS, Image.Quantize.MEDIANCUT)
+    palette = strip.quantize(COLORS, Image.Quantize.MEDIANCUT)
     drawn = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in small]
     times = [MILLISECONDS] * len(drawn)
     times[0] = times[-1] = REST * MILLISECONDS

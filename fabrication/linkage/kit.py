@@ -211,14 +211,14 @@ class Kit:
     def to_build123d(self, angle: float | None = None) -> Any:
         """A labelled `build123d.Compound` at a driving angle [rad], by default the design's.
 
-        Its children are Links, Pins, Caps, Spacers with a labelled, coloured solid a piece.
+        Its children are Links, Pins, Caps, Spacers with a labelled, colored solid a piece.
         """
         from fabrication.handover import to_build123d
 
         return to_build123d(self.name, self.placed(angle))
 
     def to_cadquery(self, angle: float | None = None) -> Any:
-        """A `cadquery.Assembly` at a driving angle [rad]: a named, coloured solid a piece."""
+        """A `cadquery.Assembly` at a driving angle [rad]: a named, colored solid a piece."""
         from fabrication.handover import to_cadquery
 
         return to_cadquery(self.name, self.placed(angle))

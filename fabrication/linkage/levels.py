@@ -1,7 +1,7 @@
 """Levels along the hinges: which bar sits above which on every pin.
 
 A bar has the same level at both ends, so it slants least and turned parts stay congruent. Bars that
-share a pin need different levels: a proper colouring of the bars, kept constant along the strips of
+share a pin need different levels: a proper coloring of the bars, kept constant along the strips of
 a net where it can be, so that a strip stays one part number.
 """
 
@@ -18,10 +18,10 @@ from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Ints
 
 STEPS: Final = 200_000
-"""How many trials a colouring of strips may take before it counts as not found."""
+"""How many trials a coloring of strips may take before it counts as not found."""
 
 MOST_ORDERS: Final = 5
-"""Colours of which every order is a choice; of more only the first found and its turns are."""
+"""Colors of which every order is a choice; of more only the first found and its turns are."""
 
 
 def bars_at(mechanism: Mechanism) -> list[list[int]]:
@@ -44,11 +44,11 @@ def neighbours_of(mechanism: Mechanism, groups: Ints) -> list[set[int]]:
     return near
 
 
-def colouring(near: Sequence[set[int]], colours: int, order: Sequence[int]) -> list[int] | None:
-    """A colour of each node that differs from its neighbours', by backtracking; None without one.
+def coloring(near: Sequence[set[int]], colors: int, order: Sequence[int]) -> list[int] | None:
+    """A color of each node that differs from its neighbours', by backtracking; None without one.
 
-    The nodes are taken where least choice is left, ties in the order given; a new colour is tried
-    only after the colours in use, so equal solutions are not found again. A node beside itself has
+    The nodes are taken where least choice is left, ties in the order given; a new color is tried
+    only after the colors in use, so equal solutions are not found again. A node beside itself has
     none.
     """
     if any(k in others for k, others in enumerate(near)):
@@ -63,14 +63,14 @@ def colouring(near: Sequence[set[int]], colours: int, order: Sequence[int]) -> l
             return True
         taken = {node: {found[k] for k in near[node] if found[k] >= 0} for node in left}
         node = min(left, key=lambda k: (-len(taken[k]), rank[k]))
-        for colour in range(min(used + 1, colours)):
+        for color in range(min(used + 1, colors)):
             trials += 1
             if trials > STEPS:
                 return False
-            if colour in taken[node]:
+            if color in taken[node]:
                 continue
-            found[node] = colour
-            if place(max(used, colour + 1), left - {node}):
+            found[node] = color
+            if place(max(used, color + 1), left - {node}):
                 return True
         found[node] = -1
         return False
@@ -78,27 +78,27 @@ def colouring(near: Sequence[set[int]], colours: int, order: Sequence[int]) -> l
     return found if place(0, set(order)) else None
 
 
-def bar_colouring(mechanism: Mechanism, colours: int) -> list[int] | None:
-    """A colour of each bar that differs at every pin, by chains of two colours; None without one.
+def bar_coloring(mechanism: Mechanism, colors: int) -> list[int] | None:
+    """A color of each bar that differs at every pin, by chains of two colors; None without one.
 
-    Always found where the colours are as many as the most bars on a pin and every closed chain of
+    Always found where the colors are as many as the most bars on a pin and every closed chain of
     bars is even, as on all nets of quads (Koenig's theorem).
     """
     at: list[dict[int, int]] = [{} for _ in range(mechanism.n_hinges)]
     found = [-1] * mechanism.n_bars
     for bar, (i, j) in enumerate(mechanism.bars.tolist()):
-        free = [[c for c in range(colours) if c not in at[h]] for h in (i, j)]
+        free = [[c for c in range(colors) if c not in at[h]] for h in (i, j)]
         if not free[0] or not free[1]:
             return None
         common = [c for c in free[0] if c in free[1]]
-        colour = common[0] if common else free[0][0]
+        color = common[0] if common else free[0][0]
         if not common:
             other, hinge, chain = free[1][0], j, []
-            want = colour
+            want = color
             while want in at[hinge]:
                 chain.append(at[hinge][want])
                 hinge = int(mechanism.bars[chain[-1]].sum()) - hinge
-                want = other if want == colour else colour
+                want = other if want == color else color
                 if hinge == i:
                     return None
             for member in chain:
@@ -106,11 +106,11 @@ def bar_colouring(mechanism: Mechanism, colours: int) -> list[int] | None:
                     if at[h].get(found[member]) == member:
                         del at[h][found[member]]
             for member in chain:
-                found[member] = other if found[member] == colour else colour
+                found[member] = other if found[member] == color else color
                 for h in mechanism.bars[member].tolist():
                     at[h][found[member]] = member
-        found[bar] = colour
-        at[i][colour] = at[j][colour] = bar
+        found[bar] = color
+        at[i][color] = at[j][color] = bar
     return found
 
 
@@ -134,18 +134,18 @@ def even_levels(mechanism: Mechanism, most: int) -> Iterator[Ints]:
         )
     strips = np.unique(mechanism.strips, return_inverse=True)[1]
     near = neighbours_of(mechanism, strips)
-    for colours in range(max(counts), most + 1):
-        by_strip = colouring(near, colours, range(len(near)))
+    for colors in range(max(counts), most + 1):
+        by_strip = coloring(near, colors, range(len(near)))
         if by_strip is not None:
             bars = np.array(by_strip)[strips]
         else:
-            by_bar = bar_colouring(mechanism, colours)
+            by_bar = bar_coloring(mechanism, colors)
             if by_bar is None:
                 continue
             bars = np.array(by_bar)
-        orders: Iterator[tuple[int, ...]] = permutations(range(colours))
-        if colours > MOST_ORDERS:
-            orders = iter([tuple(range(colours))])
+        orders: Iterator[tuple[int, ...]] = permutations(range(colors))
+        if colors > MOST_ORDERS:
+            orders = iter([tuple(range(colors))])
         for order in orders:
             if order[0] <= order[-1]:
                 level = np.array(order)[bars]

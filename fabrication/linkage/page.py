@@ -40,10 +40,10 @@ class Moving:
 
 @dataclass(frozen=True)
 class Group:
-    """Pieces that are shown and hidden together: name and colour (sRGB, 0 to 1)."""
+    """Pieces that are shown and hidden together: name and color (sRGB, 0 to 1)."""
 
     name: str
-    colour: tuple[float, float, float]
+    color: tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ def _scene(scene: MovingScene) -> dict[str, Any]:
             }
             for body in scene.bodies
         ],
-        "groups": [{"name": group.name, "colour": _css(group.colour)} for group in scene.groups],
+        "groups": [{"name": group.name, "color": _css(group.color)} for group in scene.groups],
         "instances": [
             {"body": piece.body, "group": piece.group, "text": piece.text} for piece in scene.pieces
         ],
@@ -176,8 +176,8 @@ def _base64(values: np.ndarray[Any, Any]) -> str:
     return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode("ascii")
 
 
-def _css(colour: tuple[float, float, float]) -> str:
-    return "#" + "".join(f"{round(255 * channel):02x}" for channel in colour)
+def _css(color: tuple[float, float, float]) -> str:
+    return "#" + "".join(f"{round(255 * channel):02x}" for channel in color)
 
 
 # --- tables --------------------------------------------------------------------------------------

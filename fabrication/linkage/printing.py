@@ -65,13 +65,13 @@ def write_plates(
     folder: Path, families: Sequence[Family], parts: Sequence[Printed], filled: Sequence[Plate]
 ) -> dict[Path, list[tuple[str, TriangleMesh, int]]]:
     """Write plate_1.3mf, plate_2.3mf, ...; by path what `check_threemf` has to find in each."""
-    colours = {family.number: family.kind.color for family in families}
+    colors = {family.number: family.kind.color for family in families}
     folder.mkdir(parents=True, exist_ok=True)
     written = {}
     for place, plate in enumerate(filled, 1):
         used = list(dict.fromkeys(standing.part for standing in plate))
         bodies = [
-            Body3MF(parts[at].number, parts[at].mesh, colours[parts[at].number]) for at in used
+            Body3MF(parts[at].number, parts[at].mesh, colors[parts[at].number]) for at in used
         ]
         items = [
             Item3MF(used.index(standing.part), standing.mark, standing.placement)

@@ -32,7 +32,7 @@ MOST_PLACEMENTS: Final = 30_000
 FEWEST_POSES: Final = 13
 """It holds so many poses nevertheless."""
 
-LINK_COLOURS: Final = (
+LINK_COLORS: Final = (
     (0.16, 0.42, 0.66),
     (0.72, 0.30, 0.28),
     (0.24, 0.56, 0.35),
@@ -42,7 +42,7 @@ LINK_COLOURS: Final = (
     (0.55, 0.38, 0.26),
     (0.45, 0.45, 0.62),
 )
-"""sRGB colours of the links, by part number; they repeat."""
+"""sRGB colors of the links, by part number; they repeat."""
 
 HEADINGS: Final = {
     "bom": "Bill of materials",
@@ -65,11 +65,11 @@ def moving_scene(kit: Kit) -> MovingScene:
     links = [f.number for f in families if f.kind == LINK]
     groups, pieces, placed = [], [], []
     for body, family in enumerate(families):
-        colour = family.kind.color
+        color = family.kind.color
         if family.kind == LINK:
-            colour = LINK_COLOURS[links.index(family.number) % len(LINK_COLOURS)]
+            color = LINK_COLORS[links.index(family.number) % len(LINK_COLORS)]
         own = [i.mark for i in family.instances if i.mark in motions]
-        groups.append(Group(f"{family.kind.title} {family.number} ({len(own)})", colour))
+        groups.append(Group(f"{family.kind.title} {family.number} ({len(own)})", color))
         for mark in own:
             pieces.append(Moving(body, body, f"{mark}, {family.number}"))
             placed.append(still @ motions[mark])
@@ -120,13 +120,13 @@ def standstill(kit: Kit, angles: Floats) -> Floats:
     design = kit.mechanism.pose(kit.mechanism.design)
     middle = design.points.mean(axis=0)
     aim = (design.points - middle) @ broad_axes(design)
-    centre = points.mean(axis=1)
-    u, _, v = np.linalg.svd(np.einsum("tvi,vj->tij", points - centre[:, None], aim))
+    center = points.mean(axis=1)
+    u, _, v = np.linalg.svd(np.einsum("tvi,vj->tij", points - center[:, None], aim))
     turn = np.swapaxes(v, 1, 2) @ np.swapaxes(u, 1, 2)
     v[:, 2] *= np.sign(np.linalg.det(turn))[:, None]
     motion = np.tile(np.eye(4), (len(angles), 1, 1))
     motion[:, :3, :3] = np.swapaxes(v, 1, 2) @ np.swapaxes(u, 1, 2)
-    motion[:, :3, 3] = -np.einsum("tij,tj->ti", motion[:, :3, :3], centre)
+    motion[:, :3, 3] = -np.einsum("tij,tj->ti", motion[:, :3, :3], center)
     return motion
 
 

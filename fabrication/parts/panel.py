@@ -104,8 +104,8 @@ def panel_variants(shapes: Sequence[PanelShape]) -> Variants:
     inner = np.array([shape.inner for shape in shapes]) @ [1.0, 1j]
     outer = np.array([shape.outer for shape in shapes]) @ [1.0, 1j]
     count = inner.shape[1]
-    centre = inner.mean(axis=1)
-    inner, outer = inner - centre[:, None], outer - centre[:, None]
+    center = inner.mean(axis=1)
+    inner, outer = inner - center[:, None], outer - center[:, None]
     wave = np.exp(-2j * np.pi * np.arange(count) / count)
     first = inner @ wave
     doubtful = bool((np.abs(first) < ROUND * np.abs(inner).sum(axis=1)).any())
@@ -120,7 +120,7 @@ def panel_variants(shapes: Sequence[PanelShape]) -> Variants:
         points.append(np.stack([corners.real, corners.imag], axis=-1))
         turns.append(np.angle(turned))
     shift = np.zeros((len(shapes), count, 3))
-    shift[:, :, 0], shift[:, :, 1] = centre.real[:, None], centre.imag[:, None]
+    shift[:, :, 0], shift[:, :, 1] = center.real[:, None], center.imag[:, None]
     return Variants.about_z(np.stack(points, axis=1), np.stack(turns, axis=1), shift)
 
 
@@ -130,7 +130,7 @@ class Corner:
 
     origin, axis : of the cylinder; radius; sign +1 convex, -1 reflex
     middle : unit vector from the axis to the middle of the face
-    centres, touch : for both levels, the ellipse's centre, and the touching points
+    centers, touch : for both levels, the ellipse's center, and the touching points
     a, b : conjugate half-diameters of the ellipse; turn: its angle, 0..pi
     """
 
@@ -139,7 +139,7 @@ class Corner:
     radius: float
     sign: float
     middle: Vec
-    centres: tuple[Vec, Vec]
+    centers: tuple[Vec, Vec]
     touch: tuple[tuple[Vec, Vec], tuple[Vec, Vec]]
     a: Vec
     b: Vec
@@ -262,7 +262,7 @@ def panel_boundary(shape: PanelShape) -> Boundary:
         top.append(ends[1])
         a, b, phi = principal_axes(corner.a, corner.b)
         one, two = (
-            builder.arc(ends[level], corner.centres[level], a, b, -phi, corner.turn - phi)
+            builder.arc(ends[level], corner.centers[level], a, b, -phi, corner.turn - phi)
             for level in (0, 1)
         )
         arcs.append((one, two))

@@ -1,4 +1,4 @@
-"""A picture of how far a mesh has moved: colours on its faces, with a scale in millimetres."""
+"""A picture of how far a mesh has moved: colors on its faces, with a scale in millimetres."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from fabrication.pictures.sheet import png
 SIZE: Final = (1600, 1000)
 """Pixels across and down."""
 
-COLOURS: Final = "viridis"
-"""Scale of colours: even to the eye, also in print and to the colour-blind."""
+COLORS: Final = "viridis"
+"""Scale of colors: even to the eye, also in print and to the color-blind."""
 
 
 WHOLE_MM: Final = 100.0
@@ -27,7 +27,7 @@ WHOLE_MM: Final = 100.0
 def write_deviation(
     path: Path, mesh: Mesh, movement: Floats, *, size: tuple[int, int] = SIZE
 ) -> None:
-    """Render a mesh coloured by the movement of its vertices to a PNG (atomically).
+    """Render a mesh colored by the movement of its vertices to a PNG (atomically).
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def _rendered(pyvista: Any, mesh: Mesh, movement: Floats, size: tuple[int, int])
         plotter.add_mesh(
             surface,
             scalars="movement [mm]",
-            cmap=COLOURS,
+            cmap=COLORS,
             clim=(0.0, top if top > 0 else 1.0),
             show_edges=True,
             edge_color=(0.25, 0.25, 0.25),

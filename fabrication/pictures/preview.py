@@ -137,12 +137,12 @@ def camera(points: Floats, size: tuple[int, int] = SIZE) -> View:
     from higher for a model that is nearly flat.
     """
     low, high = points.min(axis=0), points.max(axis=0)
-    centred = points - (low + high) / 2
+    centered = points - (low + high) / 2
     width = float(np.linalg.norm((high - low)[:2]))
     flat = float(high[2] - low[2]) < _FLAT * width
     rise = np.radians(ELEVATION_DEG * (1.6 if flat else 1.0))
     # The long axis in plan; the eye stands on the side that faces the reader (towards -y, +x).
-    _, axes = np.linalg.eigh(centred[:, :2].T @ centred[:, :2])
+    _, axes = np.linalg.eigh(centered[:, :2].T @ centered[:, :2])
     along = axes[:, 1] * (1.0 if axes[0, 1] >= 0 else -1.0)
     turn = np.arctan2(along[1], along[0]) - np.pi / 2 + np.radians(30.0)
     back = np.array(

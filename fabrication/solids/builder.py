@@ -92,11 +92,11 @@ class BoundaryBuilder:
         self._lines[end, start] = ~edge
         return edge
 
-    def arc(self, ends: tuple[int, int], centre: Vec, a: Vec, b: Vec, t0: float, t1: float) -> int:
-        """Coedge of the arc centre + cos(t) a + sin(t) b from t0 to t1; t may fall."""
+    def arc(self, ends: tuple[int, int], center: Vec, a: Vec, b: Vec, t0: float, t1: float) -> int:
+        """Coedge of the arc center + cos(t) a + sin(t) b from t0 to t1; t may fall."""
         if t1 < t0:
             b, t0, t1 = scale(b, -1.0), -t0, -t1
-        self._arcs.append((centre, a, b, t0, t1))
+        self._arcs.append((center, a, b, t0, t1))
         return self._edge(*ends, len(self._arcs) - 1)
 
     def _edge(self, start: int, end: int, arc: int) -> int:
@@ -143,14 +143,14 @@ class BoundaryBuilder:
         side = cross(axis, xdir)
         a, b = scale(xdir, radius), scale(side, radius)
         rims = []
-        for centre in (near, far):
-            right, left = self.point(add(centre, a)), self.point(add(centre, a, -1.0))
+        for center in (near, far):
+            right, left = self.point(add(center, a)), self.point(add(center, a, -1.0))
             rims.append(
                 (
                     right,
                     left,
-                    self.arc((right, left), centre, a, b, 0.0, math.pi),
-                    self.arc((left, right), centre, a, b, math.pi, 2.0 * math.pi),
+                    self.arc((right, left), center, a, b, 0.0, math.pi),
+                    self.arc((left, right), center, a, b, math.pi, 2.0 * math.pi),
                 )
             )
         (right0, left0, upper0, lower0), (right1, left1, upper1, lower1) = rims
@@ -177,7 +177,7 @@ class BoundaryBuilder:
             points=np.array(self._points),
             edges=np.array(self._edges),
             edge_arc=np.array(self._edge_arc),
-            arc_centre=arcs[:, :3],
+            arc_center=arcs[:, :3],
             arc_a=arcs[:, 3:6],
             arc_b=arcs[:, 6:9],
             arc_range=arcs[:, 9:],

@@ -26,10 +26,10 @@ def drum(
     side = cross(axis, xdir)
     a, b = scale(xdir, radius), scale(side, radius)
     rims = []
-    for centre in (low, high):
-        left, right = builder.point(add(centre, b)), builder.point(add(centre, b, -1.0))
-        fore = builder.arc((right, left), centre, a, b, -0.5 * math.pi, 0.5 * math.pi)
-        back = builder.arc((left, right), centre, a, b, 0.5 * math.pi, 1.5 * math.pi)
+    for center in (low, high):
+        left, right = builder.point(add(center, b)), builder.point(add(center, b, -1.0))
+        fore = builder.arc((right, left), center, a, b, -0.5 * math.pi, 0.5 * math.pi)
+        back = builder.arc((left, right), center, a, b, 0.5 * math.pi, 1.5 * math.pi)
         rims.append((left, right, fore, back))
     (left0, right0, fore0, back0), (left1, right1, fore1, back1) = rims
     left, right = builder.line(left0, left1), builder.line(right0, right1)

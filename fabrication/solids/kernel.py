@@ -135,7 +135,7 @@ class _Topology:
         along = boundary.points[boundary.edges[:, 1]] - first
         lengths = np.sqrt(np.einsum("ei,ei->e", along, along)).tolist()
         normals = cross_rows(boundary.arc_a, boundary.arc_b).tolist()
-        centres, majors = boundary.arc_centre.tolist(), boundary.arc_a.tolist()
+        centers, majors = boundary.arc_center.tolist(), boundary.arc_a.tolist()
         sizes = self.arc_size
         self.edges: list[TopoDS_Edge] = []
         for arc, (i, j), p, d, length in zip(
@@ -152,7 +152,7 @@ class _Topology:
             else:
                 begin, end = self.arc_range[arc]
                 frame = k.gp_Ax2(
-                    k.gp_Pnt(*centres[arc]), k.gp_Dir(*normals[arc]), k.gp_Dir(*majors[arc])
+                    k.gp_Pnt(*centers[arc]), k.gp_Dir(*normals[arc]), k.gp_Dir(*majors[arc])
                 )
                 la, lb = sizes[arc]
                 if la - lb <= SAME_RADIUS * la:
@@ -168,7 +168,7 @@ class _Topology:
         self.reversed_edges = [edge.Reversed() for edge in self.edges]
 
     def _place(self, boundary: Boundary) -> None:
-        """Every coedge's point and direction, or centre and half-axes, in its face's frame.
+        """Every coedge's point and direction, or center and half-axes, in its face's frame.
 
         A frame is xdir, the direction that makes a right hand with it and the axis, and the axis.
         """
@@ -178,8 +178,8 @@ class _Topology:
         arc = boundary.edge_arc[edge]
         curved = (arc >= 0)[:, None]
         start, end = boundary.points[boundary.edges[edge]].transpose(1, 0, 2)
-        if len(boundary.arc_centre):
-            origin = np.where(curved, boundary.arc_centre[arc], start)
+        if len(boundary.arc_center):
+            origin = np.where(curved, boundary.arc_center[arc], start)
             one = np.where(curved, boundary.arc_a[arc], end - start)
             two = np.where(curved, boundary.arc_b[arc], 0.0)
         else:
@@ -312,8 +312,8 @@ def kernel_properties(solid: TopoDS_Solid, *, adaptive: bool = False) -> Propert
     accuracy = (ADAPTIVE,) if adaptive else ()
     k.BRepGProp.VolumeProperties_s(solid, bulk, *accuracy)
     k.BRepGProp.SurfaceProperties_s(solid, skin, *accuracy)
-    centre = bulk.CentreOfMass()
-    return Properties(bulk.Mass(), skin.Mass(), (centre.X(), centre.Y(), centre.Z()))
+    center = bulk.CentreOfMass()
+    return Properties(bulk.Mass(), skin.Mass(), (center.X(), center.Y(), center.Z()))
 
 
 def is_valid(solid: TopoDS_Solid) -> bool:

@@ -31,7 +31,7 @@ def properties(boundary: Boundary) -> Properties:
     t = start + s * (end - start)
     cos, sin = np.cos(t)[..., None], np.sin(t)[..., None]
     a, b = boundary.arc_a[arc][:, None], boundary.arc_b[arc][:, None]
-    point[on_arc] = (boundary.arc_centre[arc] - middle)[:, None] + cos * a + sin * b
+    point[on_arc] = (boundary.arc_center[arc] - middle)[:, None] + cos * a + sin * b
     step[on_arc] = (end - start)[..., None] * (cos * b - sin * a)
     point, step = point[edge], step[edge]
 
@@ -65,5 +65,5 @@ def properties(boundary: Boundary) -> Properties:
     vd = v[..., None] * d[:, None]
     squares = base * base + base * vd + vd * vd / 3.0
     moment = np.einsum("cg,cgi->i", along * v, squares * normal) / 2.0
-    centre = middle + moment / volume
-    return Properties(volume, area, (float(centre[0]), float(centre[1]), float(centre[2])))
+    center = middle + moment / volume
+    return Properties(volume, area, (float(center[0]), float(center[1]), float(center[2])))

@@ -28,7 +28,7 @@ def gauss(nodes: int) -> tuple[Floats, Floats]:
 class Segment:
     """A line or arc of a section from (u0, v0) to (u1, v1).
 
-    turn [rad] is the angle of the arc, positive counterclockwise, 0 for a line; centre, radius and
+    turn [rad] is the angle of the arc, positive counterclockwise, 0 for a line; center, radius and
     first angle belong to the arc.
     """
 
@@ -37,13 +37,13 @@ class Segment:
     u1: float
     v1: float
     turn: float = 0.0
-    centre: tuple[float, float] = (0.0, 0.0)
+    center: tuple[float, float] = (0.0, 0.0)
     radius: float = 0.0
     first: float = 0.0
 
     @property
     def middle(self) -> float:
-        """Angle [rad] of the middle of an arc, seen from its centre."""
+        """Angle [rad] of the middle of an arc, seen from its center."""
         return self.first + 0.5 * self.turn
 
     def bounds(self) -> tuple[float, float, float, float]:
@@ -53,8 +53,8 @@ class Segment:
             angle = quarter * math.pi / 2.0
             past = (angle - self.first) * math.copysign(1.0, self.turn) % (2.0 * math.pi)
             if past < abs(self.turn):
-                us.append(self.centre[0] + self.radius * math.cos(angle))
-                vs.append(self.centre[1] + self.radius * math.sin(angle))
+                us.append(self.center[0] + self.radius * math.cos(angle))
+                vs.append(self.center[1] + self.radius * math.sin(angle))
         return min(us), max(us), min(vs), max(vs)
 
     def points(self, s: Floats) -> tuple[Floats, Floats, Floats, Floats]:
@@ -64,7 +64,7 @@ class Segment:
             return self.u0 + s * du, self.v0 + s * dv, np.full_like(s, du), np.full_like(s, dv)
         angle = self.first + s * self.turn
         cos, sin = self.radius * np.cos(angle), self.radius * np.sin(angle)
-        return self.centre[0] + cos, self.centre[1] + sin, -self.turn * sin, self.turn * cos
+        return self.center[0] + cos, self.center[1] + sin, -self.turn * sin, self.turn * cos
 
 
 def segments(loop: Loop) -> list[Segment]:
@@ -75,7 +75,7 @@ def segments(loop: Loop) -> list[Segment]:
         if bulge == 0.0:
             out.append(Segment(u0, v0, u1, v1))
             continue
-        # The centre lies on the chord's bisector, (1 - bulge^2) / (4 bulge) of the chord to the
+        # The center lies on the chord's bisector, (1 - bulge^2) / (4 bulge) of the chord to the
         # left of its middle.
         k = (1.0 - bulge * bulge) / (4.0 * bulge)
         cu = 0.5 * (u0 + u1) - k * (v1 - v0)

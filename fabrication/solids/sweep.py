@@ -74,14 +74,14 @@ class End:
     def _flat_arc(
         self, builder: BoundaryBuilder, frame: Frame, segment: Segment, ends: tuple[int, int]
     ) -> int:
-        (cu, cv), r = segment.centre, segment.radius
+        (cu, cv), r = segment.center, segment.radius
         a, b = frame(r, 0.0, r * self.skew), frame(0.0, r, r * self.slope)
         phi = 0.0
         if self.skew != 0.0:  # otherwise they are perpendicular as they are
             a, b, phi = principal_axes(a, b)
-        centre = frame(cu, cv, self.at + self.slope * cv + self.skew * cu)
+        center = frame(cu, cv, self.at + self.slope * cv + self.skew * cu)
         first = segment.first - phi
-        return builder.arc(ends, centre, a, b, first, first + segment.turn)
+        return builder.arc(ends, center, a, b, first, first + segment.turn)
 
     def face(self, builder: BoundaryBuilder, frame: Frame, loops: Sequence[Sequence[int]]) -> None:
         """The face that closes this end, bounded by loops seen from outside."""
@@ -134,7 +134,7 @@ def sweep(
             else:
                 middle = frame(math.cos(s.middle), math.sin(s.middle), 0.0)
                 sign = 1.0 if s.turn > 0.0 else -1.0
-                builder.cylinder(frame(*s.centre, 0.0), axis, middle, s.radius, sign, inside)
+                builder.cylinder(frame(*s.center, 0.0), axis, middle, s.radius, sign, inside)
         first_loops.append([~coedge for coedge in reversed(first)])
         last_loops.append(last)
     start.face(builder, frame, first_loops)

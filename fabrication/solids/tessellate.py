@@ -153,7 +153,7 @@ def _curvature(boundary: Boundary, rows: Ints) -> float:
     quarter = 0.5 * math.pi
     inner = (np.ceil(first / quarter)[:, None] + np.arange(3)) * quarter
     t = np.column_stack([first, last, np.minimum(inner, last[:, None])])
-    away = boundary.arc_points(rows, t) - boundary.arc_centre[rows][:, None]
+    away = boundary.arc_points(rows, t) - boundary.arc_center[rows][:, None]
     return float(np.linalg.norm(away, axis=-1).max())
 
 

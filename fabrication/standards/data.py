@@ -31,12 +31,12 @@ def bolt_hole(size: str) -> tuple[float, float]:
 
 
 def bolt_end_distance(size: str) -> float:
-    """Usual distance [mm] from a hole's centre to the end of the part."""
+    """Usual distance [mm] from a hole's center to the end of the part."""
     return float(table("bolts")["end_distance_factor"]) * bolt_hole(size)[1]
 
 
 def bolt_least_distance(size: str) -> float:
-    """Least distance [mm] from a hole's centre to an edge of the part (EN 1993-1-8, table 3.3)."""
+    """Least distance [mm] from a hole's center to an edge of the part (EN 1993-1-8, table 3.3)."""
     return float(table("bolts")["least_distance_factor"]) * bolt_hole(size)[1]
 
 

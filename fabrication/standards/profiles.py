@@ -1,6 +1,6 @@
 """Beam profiles from designations such as "RHS 120x60x5", or from free polygons.
 
-The datum is the top centre: z runs from -depth to 0, y from -width / 2 to width / 2.
+The datum is the top center: z runs from -depth to 0, y from -width / 2 to width / 2.
 """
 
 from __future__ import annotations

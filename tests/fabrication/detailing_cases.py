@@ -35,9 +35,9 @@ def vertical(mesh: Mesh) -> Case:
     return Case(mesh, np.tile([0.0, 0.0, 1.0], (mesh.n_vertices, 1)))
 
 
-def central(mesh: Mesh, centre: tuple[float, float, float]) -> Case:
-    """Axes through one centre: torsion-free on every mesh (Prop. 5.2)."""
-    return Case(mesh, unit(mesh.vertices - np.array(centre)))
+def central(mesh: Mesh, center: tuple[float, float, float]) -> Case:
+    """Axes through one center: torsion-free on every mesh (Prop. 5.2)."""
+    return Case(mesh, unit(mesh.vertices - np.array(center)))
 
 
 def fan(count: int, closed: bool, drop: float = 200.0, side: float = 1500.0) -> Case:
@@ -50,7 +50,7 @@ def fan(count: int, closed: bool, drop: float = 200.0, side: float = 1500.0) -> 
 
 
 def hexagons() -> Case:
-    """Seven hexagons, lifted onto a paraboloid (skew faces), axes through a centre: valence 3."""
+    """Seven hexagons, lifted onto a paraboloid (skew faces), axes through a center: valence 3."""
     centres = [(0.0, 0.0)] + [
         (3**0.5 * np.cos(a), 3**0.5 * np.sin(a)) for a in np.pi / 6 + np.arange(6) * np.pi / 3
     ]
@@ -70,7 +70,7 @@ def hexagons() -> Case:
 
 
 def dome(m: int = 6, n: int = 5) -> Case:
-    """Planar quads of a translational surface with axes through a centre below it."""
+    """Planar quads of a translational surface with axes through a center below it."""
     flat = grid(m, n)
     v = flat.vertices - flat.vertices.mean(axis=0)
     v[:, 2] = -(v[:, 0] ** 2) / 30000.0 - v[:, 1] ** 2 / 22000.0

@@ -126,7 +126,7 @@ def product_labels(path: Path) -> tuple[Any, dict[str, Any]]:
     return document, labels
 
 
-def test_colours_layers_materials_and_validation_properties_come_back(assembly: Path) -> None:
+def test_colors_layers_materials_and_validation_properties_come_back(assembly: Path) -> None:
     from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
     from OCP.XCAFDoc import (
         XCAFDoc_Area,
@@ -139,14 +139,14 @@ def test_colours_layers_materials_and_validation_properties_come_back(assembly: 
     )
 
     document, labels = product_labels(assembly)
-    colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    colors = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     layers = XCAFDoc_DocumentTool.LayerTool_s(document.Main())
     for number, role, material in PRODUCTS:
         label = labels[number]
         shape = XCAFDoc_ShapeTool.GetShape_s(label)
-        colour = Quantity_Color()
-        assert colours.GetColor(shape, XCAFDoc_ColorType.XCAFDoc_ColorSurf, colour)
-        back = colour.Values(Quantity_TypeOfColor.Quantity_TOC_sRGB)
+        color = Quantity_Color()
+        assert colors.GetColor(shape, XCAFDoc_ColorType.XCAFDoc_ColorSurf, color)
+        back = color.Values(Quantity_TypeOfColor.Quantity_TOC_sRGB)
         np.testing.assert_allclose(back, KINDS[role].color, atol=1e-4)
         names = layers.GetLayers(label)
         assert [names.Value(i + 1).ToExtString() for i in range(names.Length())] == [
@@ -155,13 +155,13 @@ def test_colours_layers_materials_and_validation_properties_come_back(assembly: 
         density = XCAFDoc_MaterialTool.GetDensityForShape_s(label)
         assert density == pytest.approx(material.density * 1e-6)  # g/mm3, as the reader counts
         expected = box_properties(*SIZES[number])
-        volume, area, centre = XCAFDoc_Volume(), XCAFDoc_Area(), XCAFDoc_Centroid()
+        volume, area, center = XCAFDoc_Volume(), XCAFDoc_Area(), XCAFDoc_Centroid()
         assert label.FindAttribute(XCAFDoc_Volume.GetID_s(), volume)
         assert label.FindAttribute(XCAFDoc_Area.GetID_s(), area)
-        assert label.FindAttribute(XCAFDoc_Centroid.GetID_s(), centre)
+        assert label.FindAttribute(XCAFDoc_Centroid.GetID_s(), center)
         assert volume.Get() == pytest.approx(expected.volume, rel=1e-9)
         assert area.Get() == pytest.approx(expected.area, rel=1e-9)
-        point = centre.Get()
+        point = center.Get()
         np.testing.assert_allclose((point.X(), point.Y(), point.Z()), expected.centroid)
 
 

@@ -267,7 +267,7 @@ def attributes(path: Path) -> dict[str, Any]:
     )
 
     document, units = read_document(path)
-    colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    colors = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     layers = XCAFDoc_DocumentTool.LayerTool_s(document.Main())
     materials = XCAFDoc_DocumentTool.MaterialTool_s(document.Main())
     found: dict[str, Any] = {"units": units, "tree": []}
@@ -280,16 +280,16 @@ def attributes(path: Path) -> dict[str, Any]:
                 found["tree"].append((here, get_name(target), np.round(placement, 8).tolist()))
                 walk(target, here)
             return
-        shape, colour = XCAFDoc_ShapeTool.GetShape_s(label), Quantity_Color()
-        assert colours.GetColor(shape, XCAFDoc_ColorType.XCAFDoc_ColorSurf, colour)
+        shape, color = XCAFDoc_ShapeTool.GetShape_s(label), Quantity_Color()
+        assert colors.GetColor(shape, XCAFDoc_ColorType.XCAFDoc_ColorSurf, color)
         names = layers.GetLayers(label)
-        volume, area, centre = XCAFDoc_Volume(), XCAFDoc_Area(), XCAFDoc_Centroid()
-        for attribute in (volume, area, centre):
+        volume, area, center = XCAFDoc_Volume(), XCAFDoc_Area(), XCAFDoc_Centroid()
+        for attribute in (volume, area, center):
             assert label.FindAttribute(attribute.GetID_s(), attribute)
-        point = centre.Get()
+        point = center.Get()
         density = materials.GetDensityForShape_s(label)
         found[get_name(label)] = {
-            "colour": np.round(colour.Values(Quantity_TypeOfColor.Quantity_TOC_sRGB), 4).tolist(),
+            "color": np.round(color.Values(Quantity_TypeOfColor.Quantity_TOC_sRGB), 4).tolist(),
             "layers": [names.Value(i + 1).ToExtString() for i in range(names.Length())],
             "volume": f"{volume.Get():.10e}",
             "area": f"{area.Get():.10e}",
@@ -331,7 +331,7 @@ def test_both_routes_say_the_same_of_an_assembly(schema: Any, tmp_path: Path) ->
     assert len(text["tree"]) == len({product.kind for product in products()}) + len(INSTANCES)
     for number, shape in SHAPES.items():
         role = ROLES[number[:2]]
-        assert text[number]["colour"] == list(KINDS[role].color)
+        assert text[number]["color"] == list(KINDS[role].color)
         assert text[number]["layers"] == [KINDS[role].layer]
         assert text[number]["material"] == (GLASS if role == "panel" else STEEL).name
         assert float(text[number]["volume"]) == pytest.approx(properties_of(shape).volume)

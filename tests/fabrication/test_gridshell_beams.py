@@ -85,7 +85,7 @@ def test_flat_ends_lie_on_a_plane_parallel_to_their_seat(name: str, eccentricity
         normal = frame @ [math.cos(seat.azimuth), math.sin(seat.azimuth), 0.0]
         face = end_face(beam, end) - shell.nodes[node].position
         assert face @ normal == pytest.approx(seat.distance + 0.5, abs=1e-9)
-        # ... centred on the seat, whose width is the profile's
+        # ... centered on the seat, whose width is the profile's
         across = face @ np.cross(shell.nodes[node].axis, normal)
         assert np.abs(across) == pytest.approx(seat.width / 2, abs=1e-6)
         # one mitre, no compound angle: the cut is perpendicular to pi(e)

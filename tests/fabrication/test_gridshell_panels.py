@@ -89,10 +89,10 @@ def test_panes_lie_above_their_faces_and_clear_the_steel() -> None:
         assert shell.offset % 5 == 0
         highest = -math.inf
         for panel in shell.panels:
-            centre = panel.placement[:3, 3]
+            center = panel.placement[:3, 3]
             normal = panel.placement[:3, 2]
             expected = case.mesh.face_centres[panel.face] + shell.offset * normal
-            assert np.allclose(centre, expected)
+            assert np.allclose(center, expected)
             assert normal @ case.mesh.face_normals[panel.face] > 0.99
             for s, vertex in zip(panel.sides, case.mesh.face(panel.face), strict=True):
                 beam = shell.beams[s.edge]
@@ -107,7 +107,7 @@ def test_panes_lie_above_their_faces_and_clear_the_steel() -> None:
                     [r * np.cos(ring), r * np.sin(ring), 0 * ring + node.shape.z1]
                 )
                 points = np.vstack([points, placed(node.placement, rim)])
-                highest = max(highest, float(((points - centre) @ normal).max()))
+                highest = max(highest, float(((points - center) @ normal).max()))
         # 3 mm are kept, and the next lower multiple of 5 mm would not keep them
         assert -8 - 1e-2 < highest <= -3 + 1e-9
 

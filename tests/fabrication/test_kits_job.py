@@ -167,7 +167,7 @@ def test_the_folder_holds_what_the_design_says(bennett: Kit, made: JobResult) ->
 
 
 @pytest.mark.slow
-def test_the_assembly_is_named_coloured_and_placed(bennett: Kit, made: JobResult) -> None:
+def test_the_assembly_is_named_colored_and_placed(bennett: Kit, made: JobResult) -> None:
     content = read_step(made.folder / "assembly.step")
     placed = {i.mark: (f.number, i.placement) for f in bennett.placed() for i in f.instances}
     assert {name for _, name, _ in content.instances} == set(placed)

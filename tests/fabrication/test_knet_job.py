@@ -114,17 +114,17 @@ def test_cuts_of_a_knet_are_square_and_of_one_kind() -> None:
 
 
 def test_width_of_a_rolled_arm_by_hand() -> None:
-    """FL 60x8 rolled by half of 15 deg: 8 cos + 2 reach sin, reach 60 hung or 30 centred."""
+    """FL 60x8 rolled by half of 15 deg: 8 cos + 2 reach sin, reach 60 hung or 30 centered."""
     cos, sin = math.cos(math.pi / 24), math.sin(math.pi / 24)
     hung = tower().detail(panel=NO_GLASS)
-    centred = tower().detail(beam={"eccentricity_mm": 30.0}, panel=NO_GLASS)
+    centered = tower().detail(beam={"eccentricity_mm": 30.0}, panel=NO_GLASS)
     assert hung.size.width == pytest.approx(8 * cos + 120 * sin)
-    assert centred.size.width == pytest.approx(8 * cos + 60 * sin)
-    assert centred.size.radius < hung.size.radius
+    assert centered.size.width == pytest.approx(8 * cos + 60 * sin)
+    assert centered.size.radius < hung.size.radius
 
 
 def test_little_torsion_changes_nothing() -> None:
-    """Optimised axes keep up to 0.1 deg: cuts stay single mitres, seats as wide as the profile."""
+    """Optimized axes keep up to 0.1 deg: cuts stay single mitres, seats as wide as the profile."""
     case = dome()
     noise = np.random.default_rng(5).normal(size=case.axes.shape)
     near = Case(case.mesh, unit(case.axes + 2e-4 * noise))

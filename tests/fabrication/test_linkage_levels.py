@@ -13,9 +13,9 @@ from ddgfab.linkages import Mechanism, bennett, cube, knet_mechanism
 from ddgfab.nets import amsler
 from fabrication.linkage.choose import rank_levels
 from fabrication.linkage.levels import (
-    bar_colouring,
+    bar_coloring,
     bars_at,
-    colouring,
+    coloring,
     even_levels,
     neighbours_of,
     slanted_levels,
@@ -112,29 +112,29 @@ def test_strips_that_meet_themselves_fall_apart_into_bars() -> None:
     assert set(first.ravel().tolist()) == {0, 1}
 
 
-def test_colouring_backtracks_and_gives_up() -> None:
-    # A wheel with five spokes needs four colours, its rim three.
+def test_coloring_backtracks_and_gives_up() -> None:
+    # A wheel with five spokes needs four colors, its rim three.
     wheel = [{1, 4, 5}, {0, 2, 5}, {1, 3, 5}, {2, 4, 5}, {3, 0, 5}, {0, 1, 2, 3, 4}]
-    assert colouring(wheel, 3, range(6)) is None
-    found = colouring(wheel, 4, range(6))
+    assert coloring(wheel, 3, range(6)) is None
+    found = coloring(wheel, 4, range(6))
     assert found is not None
     assert all(found[a] != found[b] for a, others in enumerate(wheel) for b in others)
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_chains_colour_every_bipartite_linkage(seed: int) -> None:
-    """Koenig: as many colours as the fullest pin has bars, whatever the order of the bars."""
+def test_chains_color_every_bipartite_linkage(seed: int) -> None:
+    """Koenig: as many colors as the fullest pin has bars, whatever the order of the bars."""
     random = np.random.default_rng(seed)
     pairs = {(int(i), int(j)) for i, j in random.integers(0, 12, (60, 2))}
     bars = [(i, 12 + j) for i, j in pairs]
     bars = [bars[k] for k in random.permutation(len(bars))]
     mechanism = graph(bars)
     most = max(map(len, bars_at(mechanism)))
-    found = bar_colouring(mechanism, most)
+    found = bar_coloring(mechanism, most)
     assert found is not None
     levels = np.stack([found, found], axis=1)
     assert differ_at_pins(mechanism, levels)
-    assert bar_colouring(mechanism, most - 1) is None
+    assert bar_coloring(mechanism, most - 1) is None
 
 
 # --- ranking -------------------------------------------------------------------------------------

@@ -91,8 +91,8 @@ def test_the_numbers_arrive_in_single_precision_and_stay_in_the_box() -> None:
     assert (placed.min(axis=(0, 1, 2)) > box[:, 0]).all()
     assert (placed.max(axis=(0, 1, 2)) < box[:, 1]).all()
     assert data["groups"] == [
-        {"name": "links <a>", "colour": "#3366b2"},
-        {"name": "pins", "colour": "#999999"},
+        {"name": "links <a>", "color": "#3366b2"},
+        {"name": "pins", "color": "#999999"},
     ]
 
 

@@ -1,4 +1,4 @@
-"""The preview: camera, close-up and sheet by their geometry; colours in the rendered picture."""
+"""The preview: camera, close-up and sheet by their geometry; colors in the rendered picture."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def distance(piece: closeup.Placed, node: closeup.Placed) -> float:
     return float(np.linalg.norm(piece.vertices - node.placement[:3, 3], axis=1).min())
 
 
-MODEL, NEAR = (40, 90, 200), (250, 120, 0)  # plain colours that are easily told apart
+MODEL, NEAR = (40, 90, 200), (250, 120, 0)  # plain colors that are easily told apart
 
 
 def composed(fill: Any) -> tuple[np.ndarray, np.ndarray, float]:
@@ -183,8 +183,8 @@ def composed(fill: Any) -> tuple[np.ndarray, np.ndarray, float]:
     return near_to(whole, MODEL), near_to(whole, NEAR), float(drawn)
 
 
-def near_to(picture: np.ndarray, colour: tuple[int, int, int]) -> np.ndarray:
-    return np.asarray((np.abs(picture.astype(int) - colour) < 12).all(axis=2))
+def near_to(picture: np.ndarray, color: tuple[int, int, int]) -> np.ndarray:
+    return np.asarray((np.abs(picture.astype(int) - color) < 12).all(axis=2))
 
 
 @pytest.mark.parametrize(
@@ -250,7 +250,7 @@ def in_a_fresh_interpreter(lines: str) -> None:
 
 
 @pytest.mark.slow
-def test_roles_are_seen_in_their_colours_without_a_display(tmp_path: Path) -> None:
+def test_roles_are_seen_in_their_colors_without_a_display(tmp_path: Path) -> None:
     file = tmp_path / "a.png"
     in_a_fresh_interpreter(f"t.preview.write_preview(Path({str(file)!r}), *t.scene(), size=t.SIZE)")
     image = picture(file.read_bytes())

@@ -55,7 +55,7 @@ def test_no_face_meets_the_seam_of_its_cylinder(name: str) -> None:
     u = np.arctan2(
         np.einsum("cgi,ci->cg", away, np.cross(axis, x)), np.einsum("cgi,ci->cg", away, x)
     )
-    # Half a turn at most, centred opposite to the seam: the seam is a quarter turn away.
+    # Half a turn at most, centered opposite to the seam: the seam is a quarter turn away.
     assert np.abs(u[boundary.face_cylinder[face]]).min(initial=math.pi) > math.pi / 2 - 1e-9
     assert (boundary.arc_range[:, 1] > boundary.arc_range[:, 0]).all()
     assert np.diff(boundary.arc_range, axis=1).max(initial=0.0) <= math.pi + 1e-12
@@ -180,7 +180,7 @@ def test_refuses_two_solids() -> None:
         np.concatenate([one.points, one.points + 5000.0]),
         np.concatenate([one.edges, one.edges + 8]),
         np.concatenate([one.edge_arc, one.edge_arc]),
-        one.arc_centre,
+        one.arc_center,
         one.arc_a,
         one.arc_b,
         one.arc_range,

@@ -19,9 +19,9 @@ def mesh_properties(mesh: TriangleMesh) -> Properties:
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     volumes = np.einsum("ti,ti->t", corner[:, 0], normal) / 6.0
     volume = float(volumes.sum())
-    centre = np.einsum("t,ti->i", volumes, corner.sum(axis=1) / 4.0) / volume + mesh.vertices[0]
+    center = np.einsum("t,ti->i", volumes, corner.sum(axis=1) / 4.0) / volume + mesh.vertices[0]
     area = 0.5 * float(np.linalg.norm(normal, axis=1).sum())
-    return Properties(volume, area, (float(centre[0]), float(centre[1]), float(centre[2])))
+    return Properties(volume, area, (float(center[0]), float(center[1]), float(center[2])))
 
 
 def directed_edges(mesh: TriangleMesh) -> set[tuple[int, int]]:

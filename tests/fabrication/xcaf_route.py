@@ -94,9 +94,9 @@ def add_product(document: Any, product: Product) -> Any:
     main = document.Main()
     label = XCAFDoc_DocumentTool.ShapeTool_s(main).AddShape(solid_from(product.boundary), False)
     set_name(label, product.number)
-    colour = Quantity_Color(*product.kind.color, Quantity_TypeOfColor.Quantity_TOC_sRGB)
+    color = Quantity_Color(*product.kind.color, Quantity_TypeOfColor.Quantity_TOC_sRGB)
     XCAFDoc_DocumentTool.ColorTool_s(main).SetColor(
-        label, colour, XCAFDoc_ColorType.XCAFDoc_ColorGen
+        label, color, XCAFDoc_ColorType.XCAFDoc_ColorGen
     )
     XCAFDoc_DocumentTool.LayerTool_s(main).SetLayer(
         label, TCollection_ExtendedString(product.kind.layer), True

@@ -38,10 +38,10 @@ def write_step_circles(path: str | Path, curves: Mapping[str, Circles | Spheres]
     builder.MakeCompound(whole)
     for given in curves.values():
         circles = given if isinstance(given, Circles) else given.great_circles()
-        for centre, normal, radius in zip(
+        for center, normal, radius in zip(
             circles.centres.tolist(), circles.normals.tolist(), circles.radii.tolist(), strict=True
         ):
-            axes = gp_Ax2(gp_Pnt(*centre), gp_Dir(*normal))
+            axes = gp_Ax2(gp_Pnt(*center), gp_Dir(*normal))
             builder.Add(whole, BRepBuilderAPI_MakeEdge(gp_Circ(axes, radius)).Edge())
     writer = STEPControl_Writer()
     kind = STEPControl_StepModelType.STEPControl_GeometricCurveSet

@@ -1,6 +1,6 @@
 """The entities of STEP files besides geometry, as templates.
 
-The same that OCCT's XCAF writer makes, so that every reader finds names, instances, colours,
+The same that OCCT's XCAF writer makes, so that every reader finds names, instances, colors,
 layers, materials and validation properties where it looks for them. Units are shared by all.
 """
 

@@ -56,7 +56,7 @@ class Template:
     ----------
     text : the entities; local ids follow `LOCAL`, with leading zeros
     ids : how many local ids there are, counted from 0 to one past the last
-    arc_numbers : (A * 11,) which of centre, normal, xdir and the two radii are written
+    arc_numbers : (A * 11,) which of center, normal, xdir and the two radii are written
     face_numbers : (F * 10,) which of origin, axis, xdir and radius are written
     """
 
@@ -141,7 +141,7 @@ def count_ids(boundary: Boundary) -> int:
         1  # the shell
         + 2 * len(boundary.points)  # and its vertex
         + 3 * lines  # direction, vector, line
-        + 5 * len(boundary.arc_centre)  # point, two directions, placement, curve
+        + 5 * len(boundary.arc_center)  # point, two directions, placement, curve
         + len(boundary.edges)
         + len(boundary.coedges)
         + 2 * len(boundary.loop_face)  # loop, bound
@@ -159,10 +159,10 @@ def _line_directions(boundary: Boundary) -> Floats:
 
 
 def _arc_numbers(boundary: Boundary, large: Floats, small: Floats) -> Floats:
-    """(A, 11): centre, normal, xdir, half-axes."""
+    """(A, 11): center, normal, xdir, half-axes."""
     normal = cross_rows(boundary.arc_a, boundary.arc_b) / (large * small)[:, None]
     xdir = boundary.arc_a / large[:, None]
-    return np.hstack([boundary.arc_centre, normal, xdir, large[:, None], small[:, None]])
+    return np.hstack([boundary.arc_center, normal, xdir, large[:, None], small[:, None]])
 
 
 def _face_numbers(boundary: Boundary) -> Floats:

@@ -34,7 +34,7 @@ THREEMF_DECIMAL: Final = 0.5 * 10.0**-DECIMALS
 
 @dataclass(frozen=True)
 class StepProduct:
-    """A product read back: its name, what the kernel says of its shape, its colour and layers."""
+    """A product read back: its name, what the kernel says of its shape, its color and layers."""
 
     name: str
     report: SolidReport

@@ -10,9 +10,9 @@ STYLE_IDS: Final = 9
 """How many ids a style takes."""
 
 
-def style(first: int, colour: tuple[float, float, float]) -> list[str]:
-    """A presentation style of surfaces and curves in one colour; ids count from `first`."""
-    red, green, blue = (f"{value:.6f}" for value in colour)
+def style(first: int, color: tuple[float, float, float]) -> list[str]:
+    """A presentation style of surfaces and curves in one color; ids count from `first`."""
+    red, green, blue = (f"{value:.6f}" for value in color)
     return [
         f"#{first} = PRESENTATION_STYLE_ASSIGNMENT((#{first + 1},#{first + 7}));",
         f"#{first + 1} = SURFACE_STYLE_USAGE(.BOTH.,#{first + 2});",

@@ -26,7 +26,7 @@ def new_document() -> Any:
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
     document = TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
-    # Initialises the document for the attributes of shapes, colours and layers.
+    # Initialises the document for the attributes of shapes, colors and layers.
     XCAFApp_Application.GetApplication_s().InitDocument(document)
     XCAFDoc_DocumentTool.SetLengthUnit_s(document, 0.001)
     return document

@@ -19,7 +19,7 @@ STEEPEST: Final = np.radians(75.0)
 """A beam that leaves the plane across a node axis by more [rad] cannot be cut to meet the node."""
 
 TORSION_IGNORED: Final = np.radians(0.1)
-"""Torsion [rad] that optimised structures may leave: less than saws and welders can tell."""
+"""Torsion [rad] that optimized structures may leave: less than saws and welders can tell."""
 
 SQUARE: Final = 1e-9
 """A cut of a twisted beam with less slope is square: on K-nets axes are perpendicular to edges."""

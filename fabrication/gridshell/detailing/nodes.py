@@ -27,7 +27,7 @@ HOLE_WALL: Final = 3.0
 """Steel [mm] left between the tips of neighbouring blind holes."""
 
 OFF_MIDDLE: Final = 1e-6
-"""A profile is centred on its edge when its two halves differ by less [mm]."""
+"""A profile is centered on its edge when its two halves differ by less [mm]."""
 
 MARK: Final = (3.0, 1.0)
 """Diameter and depth [mm] of the reference mark where there is room."""
@@ -48,7 +48,7 @@ def end_heights(
     Raises
     ------
     DetailError
-        Bolts in the nodes, but rolled beams that are not centred on their edges.
+        Bolts in the nodes, but rolled beams that are not centered on their edges.
     """
     if frames.twisted:
         return _rolled_heights(frames, arms, size, profile, project)

@@ -149,10 +149,10 @@ def _size(
 
 def _middle(width: float, profile: Profile, project: Project) -> str:
     """What helps beside a narrower profile where torsion rolls it about an edge off its middle."""
-    centred = -0.5 * sum(z_range(profile))
-    if width == profile.width or project.beam.eccentricity_mm == centred:
+    centered = -0.5 * sum(z_range(profile))
+    if width == profile.width or project.beam.eccentricity_mm == centered:
         return ""
-    return f", [beam] eccentricity_mm = {centred:g}"
+    return f", [beam] eccentricity_mm = {centered:g}"
 
 
 def _rolled(width: float, profile: Profile) -> str:

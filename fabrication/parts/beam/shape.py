@@ -46,7 +46,7 @@ class EndCut:
 
 @dataclass(frozen=True)
 class CrossHole:
-    """A round hole through the whole beam along y, centred at (x, z) [mm]."""
+    """A round hole through the whole beam along y, centered at (x, z) [mm]."""
 
     x: float
     z: float

@@ -103,8 +103,8 @@ def _side_arc(
         inside = (angle - min(t0, t1)) % (2.0 * math.pi) < abs(t1 - t0)
         if inside:
             heights.append(height)
-    centre = add(eye.middle, eye.axis, rise)
-    return builder.arc(ends, centre, a, b, t0 - shift, t1 - shift), max(map(abs, heights))
+    center = add(eye.middle, eye.axis, rise)
+    return builder.arc(ends, center, a, b, t0 - shift, t1 - shift), max(map(abs, heights))
 
 
 def link_boundary(shape: LinkShape) -> Boundary:
