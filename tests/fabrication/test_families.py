@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import pytest
 from detailing_cases import dome, fan, grid, placed, vertical
 from scipy.spatial.transform import Rotation
 
+from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from fabrication.families import cluster, families
 from fabrication.gridshell.pieces import Beam, Node, Panel
 from fabrication.parts.beam import BeamShape, EndCut, fibre_ends
 from fabrication.parts.node import NodeShape, Seat
-from fabrication.parts.panel import PanelShape, panel_variants
+from fabrication.parts.panel import PANEL, PanelShape, panel_variants
 from fabrication.specs import Check, Family, Piece
 from fabrication.standards import polygon, profile
 from fabrication.standards.profiles import z_range
@@ -204,6 +205,57 @@ def test_tolerance(make: str) -> None:
     assert len(families([piece(0, 0.0), piece(1, 0.0)], 0.0)) == 1
     close = families([piece(0, 0.0), piece(1, 0.06)], 0.1)[0]
     assert 0.02 < close.deviation <= 0.1
+
+
+@pytest.mark.parametrize(("part", "together"), [(0.999, True), (1.001, False)])
+@pytest.mark.parametrize("tolerance", [0.1, 0.02])
+def test_just_inside_and_just_outside_the_tolerance(
+    tolerance: float, part: float, together: bool
+) -> None:
+    """Distances are Euclidean, and no more than the tolerance."""
+    off = part * tolerance
+
+    def rectangle(wide: float) -> Floats:
+        x, y = 450.0 + wide, 250.0
+        return np.array([[-x, -y], [x, -y], [x, y], [-x, y]])
+
+    # Every corner moves by `off`, along a diagonal of the frame in which panels are compared: in
+    # either coordinate there the distance is only 0.71 of it.
+    panels = families([panel(0, rectangle(0.0)), panel(1, rectangle(off))], tolerance)
+    assert (len(panels) == 1) == together
+    # Both ends of a beam move by `off`, away from its middle.
+    beams = [beam(k, EndCut(20.0 - d, 0.0), EndCut(900.0 + d, 0.0)) for k, d in enumerate((0, off))]
+    assert (len(families(beams, tolerance)) == 1) == together
+    # The land of a node is higher by `off`.
+    high = replace(node(1, [0.0, 2.0]).shape, z1=5.0 + off)
+    nodes = [node(0, [0.0, 2.0]), replace(node(1, [0.0, 2.0]), shape=high)]
+    assert (len(families(nodes, tolerance)) == 1) == together
+    if together:
+        assert panels[0].deviation == pytest.approx(off)
+
+
+def test_kinds_come_in_the_order_of_their_pieces_and_share_no_prefix() -> None:
+    one, two = node(0, [0.0]), beam(0, EndCut(20, 0.0), EndCut(900, 0.0))
+    assert [f.number for f in families([one, two])] == ["NP-001", "BP-001"]
+    assert [f.number for f in families([two, one])] == ["BP-001", "NP-001"]
+    plate = replace(panel(1, TRAPEZE))
+    object.__setattr__(plate, "kind", replace(PANEL, role="plate"))
+    with pytest.raises(InputError, match='"panel" and "plate" both have part numbers PP-001'):
+        families([panel(0, TRAPEZE), plate])
+
+
+def test_shapes_of_two_classes_are_never_congruent() -> None:
+    """Even if their keys and points agree."""
+
+    @dataclass(frozen=True, eq=False)
+    class Other(NodeShape):
+        pass
+
+    own = node(0, [0.0, 2.0])
+    shape = Other(**{f.name: getattr(own.shape, f.name) for f in fields(own.shape)})
+    assert shape.key() == own.shape.key()
+    found = families([own, replace(node(1, [0.0, 2.0]), shape=shape)])
+    assert [f.number for f in found] == ["NP-001", "NP-002"]
 
 
 def test_deviation_is_measured_on_the_corners() -> None:
