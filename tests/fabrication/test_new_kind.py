@@ -23,13 +23,13 @@ from fabrication.boundary import Boundary, Cut, Tool
 from fabrication.checks.assembly import check_assembly
 from fabrication.checks.mesh import check_mesh
 from fabrication.checks.solid import check_solid
-from fabrication.export.glb import glb_bytes
-from fabrication.export.step import Material, Product, assembly_bytes, part_bytes
-from fabrication.export.stl import stl_bytes
-from fabrication.export.threemf import Body3MF, threemf_bytes
 from fabrication.families import families
+from fabrication.formats.glb import glb_bytes
+from fabrication.formats.step import Material, Product, assembly_bytes, part_bytes
+from fabrication.formats.stl import stl_bytes
+from fabrication.formats.threemf import Body3MF, threemf_bytes
+from fabrication.job.problems import problems_of
 from fabrication.parts.node import NODE, NodeShape
-from fabrication.problems import problems_of
 from fabrication.solids import boundary_of, genus_of, mesh_of, realise, second_volume_of, solid_of
 from fabrication.solids.builder import BoundaryBuilder, Coedges
 from fabrication.specs import Check, Kind, Piece, Placement
