@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ddgfab.mesh import Floats
-from ddgfab.nets import KNet, knet
+from ddgfab.nets.knet import KNet, knet
 from ddgfab.transforms import baecklund
 
 LARGE, SMALL = 1000, 100

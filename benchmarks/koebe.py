@@ -25,9 +25,10 @@ from scipy.optimize import minimize
 from scipy.spatial import ConvexHull
 
 from ddgfab.mesh import Mesh
-from ddgfab.nets import koebe, minimal_surface
-from ddgfab.nets.koebe_pattern import CirclePattern
-from ddgfab.nets.koebe_solids import cube_cells
+from ddgfab.nets.koebe import koebe
+from ddgfab.nets.koebe.pattern import CirclePattern
+from ddgfab.nets.koebe.solids import cube_cells
+from ddgfab.nets.minimal import minimal_surface
 
 LIMITS = {10_000: 2.0, 100_000: 40.0}
 LIMIT_DUAL_S = 1.0

@@ -24,10 +24,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets.grid import grid_mesh
 from ddgfab.optimize import Quality, RecipeOptions, folded_faces, mean_edge, planarize
 
 MESHES = Path(__file__).resolve().parents[2] / "shared" / "data" / "meshes"

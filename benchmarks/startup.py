@@ -12,8 +12,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from ddgfab.forms import canopy
 from ddgfab.io import write_obj
-from ddgfab.nets import canopy
 
 ROUNDS = 7
 

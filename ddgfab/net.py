@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError, MeshError
+from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.nets.grid import grid_mesh
 
 
 def shift(values: ArrayLike, axis: int, step: int = 1, *, periodic: bool = False) -> Floats:

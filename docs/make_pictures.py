@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ddgfab.forms.registry import generate
 from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.nets.registry import generate
 from ddgfab.offsets import face_offset, vertex_offset
 
 FOLDER = Path(__file__).parent / "nets"

@@ -17,9 +17,10 @@ import numpy as np
 from pictures_minimal import BACK, GLASS, LINE, PANEL, STYLE, draw_mesh, panel, surface
 from scipy.spatial import cKDTree
 
+from ddgfab.forms.registry import find_generator, generate
+from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets import crab_net, grid_mesh
-from ddgfab.nets.registry import find_generator, generate
+from ddgfab.nets.knet import crab_net
 from ddgfab.surfaces import amsler, breather, dini, kuen, pseudosphere, rotational_lines
 
 FOLDER = Path(__file__).parent / "knets"

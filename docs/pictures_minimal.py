@@ -14,23 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from ddgfab.circles import Circles
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets import (
-    Circles,
-    KoebePolyhedron,
+from ddgfab.nets import SIsothermic, piece
+from ddgfab.nets.koebe import KoebePolyhedron, koebe
+from ddgfab.nets.koebe.solids import dual_solid, goldberg, triangle_cells
+from ddgfab.nets.minimal import (
     MinimalNet,
-    SIsothermic,
     catenoid,
     enneper,
     helicoid,
-    koebe,
-    piece,
     scherk,
     schwarz_d,
     schwarz_p_cell,
 )
-from ddgfab.nets.koebe_solids import dual_solid, goldberg, triangle_cells
-from ddgfab.nets.minimal_cells import scherk_koebe, schwarz_koebe
+from ddgfab.nets.minimal.periodic import scherk_koebe, schwarz_koebe
 
 FOLDER = Path(__file__).parent / "minimal"
 PANEL = (320, 330)

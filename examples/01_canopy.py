@@ -8,9 +8,9 @@ from tempfile import gettempdir
 
 import numpy as np
 
+from ddgfab.forms import canopy
 from ddgfab.io import write_obj
 from ddgfab.measures import planarity
-from ddgfab.nets import canopy
 from ddgfab.support import support_structure
 
 

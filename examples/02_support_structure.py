@@ -7,9 +7,9 @@ import sys
 import numpy as np
 
 from ddgfab.errors import SupportError
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import torsion
 from ddgfab.mesh import Mesh
-from ddgfab.nets import grid_mesh
 from ddgfab.support import support_structure
 
 

@@ -14,14 +14,9 @@ from ddgfab.curvature import (
     steiner_curvatures,
     triangulate,
 )
+from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats
-from ddgfab.nets import (
-    best_normal,
-    evolve_by_angles,
-    grid_mesh,
-    interior_angles,
-    vertex_normals,
-)
+from ddgfab.nets import best_normal, evolve_by_angles, interior_angles, vertex_normals
 from ddgfab.surfaces import ellipsoid_curvatures, ellipsoid_patch
 
 

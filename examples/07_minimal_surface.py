@@ -7,8 +7,9 @@ import sys
 
 import numpy as np
 
-from ddgfab.nets import koebe, minimal_surface
-from ddgfab.nets.koebe_solids import cube_cells
+from ddgfab.nets.koebe import koebe
+from ddgfab.nets.koebe.solids import cube_cells
+from ddgfab.nets.minimal import minimal_surface
 from ddgfab.offsets import classify_offset
 from ddgfab.support import support_structure
 

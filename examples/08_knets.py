@@ -7,19 +7,20 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ddgfab import nets, surfaces
+from ddgfab import forms, surfaces
 from ddgfab.curvature import skew_curvature, unit_curvature_scale
 from ddgfab.mesh import Floats
+from ddgfab.nets import knet
 from fabrication import design
 
 # Name: the K-net of constant normal angles, the surface at asymptotic parameters.
 KINDS: dict[
     str,
-    tuple[Callable[[Floats], nets.KNet], Callable[[Floats, Floats], surfaces.KSurface]],
+    tuple[Callable[[Floats], knet.KNet], Callable[[Floats, Floats], surfaces.KSurface]],
 ] = {
-    "Dini": (lambda a: nets.dini(a, a, 1.2), lambda u, v: surfaces.dini(u, v, 1.2)),
-    "breather": (lambda a: nets.breather(a, a, 0.8), lambda u, v: surfaces.breather(u, v, 0.8)),
-    "Kuen": (lambda a: nets.kuen(a, a), lambda u, v: surfaces.kuen(u, v)),
+    "Dini": (lambda a: knet.dini(a, a, 1.2), lambda u, v: surfaces.dini(u, v, 1.2)),
+    "breather": (lambda a: knet.breather(a, a, 0.8), lambda u, v: surfaces.breather(u, v, 0.8)),
+    "Kuen": (lambda a: knet.kuen(a, a), lambda u, v: surfaces.kuen(u, v)),
 }
 
 
@@ -41,10 +42,10 @@ def main() -> None:
         sys.stdout.write(f"{name:10}{x:9.1e}{finer_x:9.1e}{order:7.2f}{k:9.1e}{finer_k:9.1e}\n")
     delta = np.radians(14.0)
     angles, r = np.full(8, delta), unit_curvature_scale(delta, delta)
-    net = nets.kuen(angles, angles, r=r)
+    net = knet.kuen(angles, angles, r=r)
     worst = np.abs(skew_curvature(net.points, net.normals)[0] + 1.0).max()
     sys.stdout.write(f"with r = {r:.6f}, 14 deg to a bar: K = -1 to {worst:.0e}\n")
-    mesh = nets.generate("crab", {"twist_deg": 14.0})
+    mesh = forms.generate("crab", {"twist_deg": 14.0})
     basket = design(
         mesh,
         support={"kind": "normals"},

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 import ddgfab.curvature
 import ddgfab.surfaces
-from ddgfab.nets.registry import find_generator, kinds
+from ddgfab.forms.registry import find_generator, kinds
 from fabrication.gridshell.load import load_project
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"

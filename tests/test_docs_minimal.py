@@ -11,6 +11,8 @@ import pytest
 
 import ddgfab.curvature
 import ddgfab.nets
+import ddgfab.nets.koebe
+import ddgfab.nets.minimal
 import ddgfab.support
 import ddgfab.surfaces
 import ddgfab.transforms
@@ -40,6 +42,8 @@ def test_functions_named_exist() -> None:
         for name in re.findall(r"`(\w+)(?:\(.*?\))?`", row.split("|")[1] if "|" in row else ""):
             rooms = (
                 ddgfab.nets,
+                ddgfab.nets.koebe,
+                ddgfab.nets.minimal,
                 ddgfab.support,
                 ddgfab.surfaces,
                 ddgfab.transforms,

@@ -13,7 +13,7 @@ import ddgfab.measures
 import ddgfab.offsets
 import ddgfab.support
 import ddgfab.transforms
-from ddgfab.nets.registry import find_generator, kinds
+from ddgfab.forms.registry import find_generator, kinds
 from fabrication.gridshell.load import load_project
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from ddgfab.forms import canopy
 from ddgfab.io import write_obj
-from ddgfab.nets import canopy
 from fabrication.cli import app
 from fabrication.gridshell.load import load_project
 

@@ -13,7 +13,7 @@ from scipy.sparse import coo_array, csr_array
 
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.nets.cells import finite
+from ddgfab.quads import finite
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, unit
-from ddgfab.nets.cells import finite
+from ddgfab.quads import finite
 from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
 
 

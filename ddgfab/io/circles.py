@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ddgfab.circles import Circles, Spheres
 from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
-from ddgfab.nets.circles import Circles, Spheres
 
 POINTS = 64
 """Points round a circle in an OBJ file."""

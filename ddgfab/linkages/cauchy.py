@@ -1,6 +1,6 @@
 """K-nets for many values of a parameter at once, from an anchor inside them; analytic in it.
 
-The same half-turn evolution as `ddgfab.nets.knet_evolve`, with a leading axis over poses, Cauchy
+The same half-turn evolution as `ddgfab.nets.knet.spherical`, with a leading axis over poses, Cauchy
 data on the two (or three) coordinate lines through any vertex, and no operation that is not
 analytic: complex parameters give exact derivatives (complex step). Source: mathematics.md 3.4, 3.5.
 """

@@ -16,7 +16,7 @@ from ddgfab.linkages.crab_rates import crab_bounds
 from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Bounds, Mechanism
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.knet_crab import CrabNet
+from ddgfab.nets.knet.crab import CrabNet
 
 END_ROOM = 1e-6
 """How far [rad] the limits stay inside the angles at which the second ring ceases to exist."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
-from ddgfab.nets.knet import KNet
+from ddgfab.nets.knet.net import KNet
 
 
 def flex(knet: KNet, dturns: Sequence[ArrayLike], dcorner: ArrayLike) -> KNet:

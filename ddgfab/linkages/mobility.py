@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages.mechanism import Pose
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.cells import finite
+from ddgfab.quads import finite
 
 RANK_GAP = 1e3
 """Singular values on either side of a rank differ by this factor at least."""
@@ -22,38 +22,46 @@ RANK_CUT = 1e-9
 """Singular values below this part of the greatest may count as zero."""
 
 
+COLLINEAR = 1e-9
+"""A bar whose axes are along it to this sine is a line: turning about it moves nothing."""
+
+
 def linkage_jacobian(bars: Ints, pose: Pose) -> Floats:
-    """(4E + V, 6V) derivative of the conditions of a linkage in points and axes.
+    """(7E, 6V) conditions of rigid bars on the velocities of points and axes, linearised.
 
-    Rows: per bar |e|^2 / 2, <n, n'>, <e, n>, <e, n'>, per hinge |n|^2 / 2; columns: points, then
-    axes. Lengths are scaled by the mean bar, so that singular values compare.
+    A bar's vector e and its axes n, n' may turn together, (de, dn, dn') = (w x e, w x n, w x n'),
+    and in no other way: the rows of a bar are an orthonormal basis of what is orthogonal to these.
+    Unlike the derivatives of |e|^2, <e, n>, <e, n'>, <n, n'> and |n|^2 they stay independent where
+    n and n' are parallel, or along the bar. Columns: points, in units of the mean bar, then axes.
 
-    Source: mathematics.md 4.2.
+    Source: mathematics.md 4.2, corrected for twists 0 and pi.
     """
     i, j = bars.T
-    count, v = len(bars), len(pose.points)
-    rows = np.zeros((4 * count + v, 2, v, 3))
+    v = len(pose.points)
+    rows = np.zeros((len(bars), 7, 2, v, 3))
     blocks = _bar_rows(bars, pose)
-    for k in range(4):
-        at = k * count + np.arange(count)
-        rows[at, :, i], rows[at, :, j] = blocks[:, k, 0], blocks[:, k, 1]
-    hinges = np.arange(v)
-    rows[4 * count + hinges, 1, hinges] = pose.axes
-    return rows.reshape(len(rows), -1)
+    bar = np.arange(len(bars))
+    rows[bar, :, :, i], rows[bar, :, :, j] = blocks[:, :, 0], blocks[:, :, 1]
+    return rows.reshape(7 * len(bars), -1)
 
 
 def _bar_rows(bars: Ints, pose: Pose) -> Floats:
-    """(E, 4, 2, 2, 3) rows of each bar: condition, hinge i or j, point or axis."""
+    """(E, 7, 2, 2, 3) rows of each bar: condition, hinge i or j, point or axis.
+
+    Six conditions; the seventh is zero unless the bar is a line.
+    """
     i, j = bars.T
     edge = pose.points[j] - pose.points[i]
     edge = edge / np.linalg.norm(edge, axis=1).mean()
-    n_i, n_j = pose.axes[i], pose.axes[j]
-    rows = np.zeros((len(bars), 4, 2, 2, 3))
-    rows[:, 0, 0, 0], rows[:, 0, 1, 0] = -edge, edge
-    rows[:, 1, 0, 1], rows[:, 1, 1, 1] = n_j, n_i
-    for k, axis in ((0, n_i), (1, n_j)):
-        rows[:, 2 + k, 0, 0], rows[:, 2 + k, 1, 0] = -axis, axis
-        rows[:, 2 + k, k, 1] = edge
+    turning = np.stack([edge, pose.axes[i], pose.axes[j]], axis=1)  # (E, 3 vectors, 3)
+    turning = np.cross(np.eye(3), turning[:, :, None]).reshape(-1, 3, 3, 3)  # vector, w, component
+    span = np.moveaxis(turning, 2, -1).reshape(len(bars), 9, 3)
+    basis, values, _ = np.linalg.svd(span)
+    conditions = np.swapaxes(basis, 1, 2)[:, [3, 4, 5, 6, 7, 8, 2]].reshape(-1, 7, 3, 3)
+    conditions[values[:, 2] > COLLINEAR * values[:, 0], 6] = 0.0
+    rows = np.zeros((len(bars), 7, 2, 2, 3))
+    rows[:, :, 0, 0], rows[:, :, 1, 0] = -conditions[:, :, 0], conditions[:, :, 0]
+    rows[:, :, 0, 1], rows[:, :, 1, 1] = conditions[:, :, 1], conditions[:, :, 2]
     return rows
 
 
@@ -62,7 +70,8 @@ def mobility(bars: ArrayLike, pose: Pose) -> int:
 
     6V - rank - 6 of `linkage_jacobian`, whose kernel is built hinge by hinge: of the motions of the
     part so far and of the next hinge, those remain that its bars allow. An orthonormal basis is
-    kept, so the singular values of each small step decide.
+    kept, so the singular values of each small step decide. Twists may be anything: planar linkages
+    have parallel axes.
 
     Parameters
     ----------
@@ -84,7 +93,7 @@ def mobility(bars: ArrayLike, pose: Pose) -> int:
     if not (size > 0).all():
         raise InputError(f"bar {int(np.argmin(size))} has no length")
     order, at_hinge = _walk(ids, len(pose.points))
-    rows = _bar_rows(ids, pose).reshape(-1, 4, 2, 6)
+    rows = _bar_rows(ids, pose).reshape(-1, 7, 2, 6)
     waiting = np.array([len(here) for here in at_hinge])
     moves: dict[int, Floats] = {}
     count = 0

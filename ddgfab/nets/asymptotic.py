@@ -15,9 +15,8 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, extent
-from ddgfab.nets.cells import Place, finite, layer, net_points, pairs
-from ddgfab.nets.knet_evolve import integrate
 from ddgfab.nets.moutard import moutard_coefficients
+from ddgfab.quads import Place, finite, layer, net_points, pairs, summed
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 
 PARALLEL_STAR = 1e-10
@@ -113,7 +112,7 @@ def tangent_normals(points: ArrayLike, periodic: Sequence[bool] | None = None) -
     return np.asarray(np.where(side[..., None] < 0, -normals, normals))
 
 
-def lelieuvre(points: ArrayLike, scale: float = 1.0, *, limit: float = NET_INPUT) -> Floats:
+def lelieuvre(points: ArrayLike, scale: float = 1.0, *, tolerance: float = NET_INPUT) -> Floats:
     """(n1, ..., nd, 3) Lelieuvre field L of an A-net: Delta_k x = L_k x L.
 
     Parameters
@@ -121,7 +120,7 @@ def lelieuvre(points: ArrayLike, scale: float = 1.0, *, limit: float = NET_INPUT
     points : (n1, ..., nd, 3) A-net, at least one quad
     scale : length of L at the first vertex, along `tangent_normals`; it multiplies L at even and
         divides it at odd vertices
-    limit : greatest `star_flatness` that counts as an A-net
+    tolerance : greatest `star_flatness` that counts as an A-net
 
     Raises
     ------
@@ -136,11 +135,11 @@ def lelieuvre(points: ArrayLike, scale: float = 1.0, *, limit: float = NET_INPUT
     if not (np.isfinite(scale) and scale != 0):
         raise InputError(f"scale {scale}: a number other than zero is needed")
     flatness = star_flatness(x)
-    if not flatness.max() <= limit:
+    if not flatness.max() <= tolerance:
         at = tuple(int(i) for i in np.unravel_index(int(flatness.argmax()), flatness.shape))
         raise InputError(
             f"no A-net: the edges at vertex {at} leave their plane by {flatness[at]:.3g} "
-            f"(smallest singular value of the unit edges, limit {limit:g})"
+            f"(smallest singular value of the unit edges, limit {tolerance:g})"
         )
     nu = tangent_normals(x)
     d = x.ndim - 1
@@ -172,7 +171,7 @@ def lelieuvre(points: ArrayLike, scale: float = 1.0, *, limit: float = NET_INPUT
 
 
 def anet_from_moutard(
-    field: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0), *, limit: float = NET_INPUT
+    field: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0), *, tolerance: float = NET_INPUT
 ) -> Floats:
     """(n1, ..., nd, 3) A-net with a Lelieuvre field: Delta_k x = L_k x L.
 
@@ -180,7 +179,7 @@ def anet_from_moutard(
     ----------
     field : (n1, ..., nd, 3) T-net (`evolve_moutard`, `evolve_tnet`, `evolve_spherical`)
     origin : (3,) first point
-    limit : greatest relative violation of the Moutard equation
+    tolerance : greatest relative violation of the Moutard equation
 
     Raises
     ------
@@ -198,10 +197,37 @@ def anet_from_moutard(
         if min(L.shape[axes[0]], L.shape[axes[1]]) < 2:
             continue
         gap = moutard_coefficients(L, axes)[1]
-        if gap.max() > limit:
+        if gap.max() > tolerance:
             at = tuple(int(i) for i in np.unravel_index(int(gap.argmax()), gap.shape))
             raise InputError(
                 f"no T-net: quad {at} of directions {axes} misses the Moutard equation by "
-                f"{gap[at]:.3g} (relative, limit {limit:g})"
+                f"{gap[at]:.3g} (relative, limit {tolerance:g})"
             )
     return integrate(L, 1.0, start)
+
+
+def integrate(m: Floats, r: float, origin: Floats) -> Floats:
+    """(n1, ..., nd, 3) points of the A-net with Delta_k x = r m_k x m, from its first point.
+
+    Closing is the Moutard equation of m (not checked here: see `KNet.residuals`,
+    `anet_from_moutard`).
+    """
+    d = m.ndim - 1
+
+    def steps(k: int) -> Floats:
+        edges = lelieuvre_edges(m[layer(d, k, slice(None))], k)
+        edges *= r
+        return edges
+
+    return summed(steps, m.shape, origin)
+
+
+def lelieuvre_edges(m: Floats, axis: int) -> Floats:
+    """m_k x m along a direction, one shorter in it."""
+    before = (slice(None),) * axis
+    a, b = m[(*before, slice(1, None))], m[(*before, slice(None, -1))]
+    out = np.empty(a.shape)
+    for c, (p, q) in enumerate(((1, 2), (2, 0), (0, 1))):
+        np.multiply(a[..., p], b[..., q], out=out[..., c])
+        out[..., c] -= a[..., q] * b[..., p]
+    return out

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, unit
-from ddgfab.nets.cells import Place, cross, edge_frame, finite, measure, net_points
+from ddgfab.quads import Place, cross, edge_frame, finite, measure, net_points
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import Place, columns, cross, dot, edge_frame, measure, norm, pairs, sweep
 from ddgfab.nets.conjugate import conjugate_residuals
+from ddgfab.quads import Place, columns, cross, dot, edge_frame, measure, norm, pairs, sweep
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 _COLLINEAR = "three corners lie on a line: their edges are parallel"

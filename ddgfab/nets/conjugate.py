@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import Place, columns, cross, dot, edge_frame, measure, norm, pairs, sweep
+from ddgfab.quads import Place, columns, cross, dot, edge_frame, measure, norm, pairs, sweep
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import Place, columns, cross, dot, measure, norm
+from ddgfab.quads import Place, columns, cross, dot, measure, norm
 
 
 def complex_cross_ratio(

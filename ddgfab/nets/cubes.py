@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints, extent
-from ddgfab.nets.cells import Place, columns, finite, net_points, norm, refuse_growth
 from ddgfab.nets.conjugate import coeffs_kernel, conj_residual, planarity
+from ddgfab.quads import Place, columns, finite, net_points, norm, refuse_growth
 from ddgfab.tolerances import CONDITION_LIMIT, NET_INPUT, RELATIVE_DEGENERATE
 
 _SIDES = ((0, 1), (0, 2), (1, 2))

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
-from ddgfab.nets.cells import Place, columns, dot, finite, net_points, norm, pairs, sweep
 from ddgfab.nets.circular import circular_residuals
 from ddgfab.nets.crossratio import cross_ratios
+from ddgfab.quads import Place, columns, dot, finite, net_points, norm, pairs, sweep
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 
 PROBE: Final = 1e-13
@@ -35,7 +35,9 @@ def cross_ratio_labels(points: ArrayLike) -> tuple[tuple[Floats, ...], float]:
 
     q(x, x_i, x_ij, x_j) = alpha_i / alpha_j in all quads of all pairs of directions: an isothermic
     net. Labels are determined up to one factor: here the geometric mean of |alpha| over direction
-    0 is 1, and direction 0 is positive, so that a net of conformal squares has labels 1 and -1.
+    0 is 1, and most labels of direction 0 (of as many of both signs, the first) are positive, so
+    that a net of conformal squares has labels 1 and -1. Signs may change along a direction, as in
+    sequences of Darboux transforms.
 
     Parameters
     ----------
@@ -69,8 +71,9 @@ def cross_ratio_labels(points: ArrayLike) -> tuple[tuple[Floats, ...], float]:
         first = logs.mean(axis=1) - logs.mean()
         if axis == 1:
             labels[0] = np.exp(first)
-        sign = np.sign(np.median(q))
-        labels[axis] = sign * np.exp(-logs.mean(axis=0))
+        labels[axis] = np.exp(-logs.mean(axis=0))
+    for label, sign in zip(labels, _label_signs(ratios, x.ndim - 1), strict=True):
+        label *= sign
     worst = 0.0
     for (i, j), q in ratios.items():
         wanted = np.expand_dims(labels[i], [k for k in range(x.ndim - 1) if k != i]) / (
@@ -78,6 +81,20 @@ def cross_ratio_labels(points: ArrayLike) -> tuple[tuple[Floats, ...], float]:
         )
         worst = max(worst, float((np.abs(q - wanted) / np.abs(wanted)).max(initial=0.0)))
     return tuple(labels), worst
+
+
+def _label_signs(ratios: dict[tuple[int, int], Floats], d: int) -> list[Floats]:
+    """Signs of the labels by direction: sign q = s_0 s_axis, the nearest matrix of rank one."""
+    votes = []
+    for axis in range(1, d):
+        q = np.moveaxis(ratios[0, axis], (0, axis), (0, 1))
+        votes.append(np.sign(q).reshape(*q.shape[:2], -1).mean(axis=2))
+    rows, _, columns = np.linalg.svd(np.concatenate(votes, axis=1), full_matrices=False)
+    first, others = (np.where(v < 0, -1.0, 1.0) for v in (rows[:, 0], columns[0]))
+    if (first.sum() or first[0]) < 0:
+        first, others = -first, -others
+    ends = np.cumsum([vote.shape[1] for vote in votes])[:-1]
+    return [first, *np.split(others, ends)]
 
 
 def isothermic_residuals(points: ArrayLike) -> dict[str, float]:
@@ -215,7 +232,9 @@ def edge_labels(labels: ArrayLike, count: int, name: str) -> Floats:
     return full
 
 
-def net_labels(points: Floats, labels: Sequence[ArrayLike] | None) -> tuple[Floats, ...]:
+def net_labels(
+    points: Floats, labels: Sequence[ArrayLike] | None, tolerance: float = NET_INPUT
+) -> tuple[Floats, ...]:
     """Labels of a net by direction: those given, checked for shape, or the net's own.
 
     Raises
@@ -225,10 +244,10 @@ def net_labels(points: Floats, labels: Sequence[ArrayLike] | None) -> tuple[Floa
     """
     if labels is None:
         own, defect = cross_ratio_labels(points)
-        if not defect <= NET_INPUT:
+        if not defect <= tolerance:
             raise InputError(
                 f"the net is not isothermic: its cross-ratios are {defect:.2g} (relative) from "
-                f"quotients of labels (limit {NET_INPUT:g})"
+                f"quotients of labels (limit {tolerance:g})"
             )
         return own
     if len(labels) != points.ndim - 1:

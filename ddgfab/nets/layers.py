@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
-from ddgfab.nets.cells import Place, finite
 from ddgfab.nets.cubes import coordinate_surfaces, evolve_nd
+from ddgfab.quads import Place, finite
 from ddgfab.tolerances import NET_INPUT
 
 Transform = Callable[[Floats], ArrayLike]

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import Place, columns, net_points
 from ddgfab.nets.circular import circularity, circularity_kernel, evolve_by_angles
 from ddgfab.nets.cubes import cube_point, evolve_nd
+from ddgfab.quads import Place, columns, net_points
 from ddgfab.tolerances import NET_INPUT
 
 

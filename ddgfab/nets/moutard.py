@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.cells import (
+from ddgfab.quads import (
     Place,
     columns,
     dot,

@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.circles import Circles, Spheres
 from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh, extent, unit
-from ddgfab.nets.cells import finite
-from ddgfab.nets.circles import Circles, Spheres
 from ddgfab.nets.sisothermic_labels import checked_labels, double_cover
+from ddgfab.quads import finite
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 from ddgfab.trees import tree_sums
 

@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.cells import Place, cross, finite
-from ddgfab.nets.knet import KNet, refuse_angles
-from ddgfab.nets.knet_evolve import refuse_not_unit
+from ddgfab.nets.knet.net import KNet, refuse_angles
+from ddgfab.nets.knet.spherical import refuse_not_unit
 from ddgfab.nets.layers import stack_transforms
+from ddgfab.quads import Place, cross, finite
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 
 GROWTH_LIMIT = 1e8

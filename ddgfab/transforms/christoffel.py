@@ -13,12 +13,16 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.cells import Place, finite, layer, net_points, summed
 from ddgfab.nets.isothermic import net_labels
+from ddgfab.quads import Place, finite, layer, net_points, summed
 from ddgfab.tolerances import NET_INPUT
 
 
-def christoffel_dual(points: ArrayLike, labels: Sequence[ArrayLike] | None = None) -> Floats:
+def christoffel_dual(
+    points: ArrayLike,
+    labels: Sequence[ArrayLike] | None = None,
+    tolerance: float = NET_INPUT,
+) -> Floats:
     """Dual net x* with Delta_k x* = alpha_k Delta_k x / |Delta_k x|^2, of the same shape.
 
     Isothermic with the same cross-ratios; diagonals of a quad and its dual are antiparallel; the
@@ -29,6 +33,8 @@ def christoffel_dual(points: ArrayLike, labels: Sequence[ArrayLike] | None = Non
     ----------
     points : (n1, ..., nd, 2 or 3)
     labels : d arrays (n_k - 1,) or numbers; by default the net's own (`cross_ratio_labels`)
+    tolerance : relative, on cross-ratios against quotients of labels and on the closing of the
+        dual's quads; nets from files with few digits need more than the default
 
     Raises
     ------
@@ -40,7 +46,7 @@ def christoffel_dual(points: ArrayLike, labels: Sequence[ArrayLike] | None = Non
     Source: mathematics.md 6.2, equation (18).
     """
     x = net_points(points)
-    alpha = net_labels(x, labels)
+    alpha = net_labels(x, labels, tolerance)
     d = x.ndim - 1
     edges = []
     for axis in range(d):
@@ -49,10 +55,10 @@ def christoffel_dual(points: ArrayLike, labels: Sequence[ArrayLike] | None = Non
         Place(name=f"edge of direction {axis} at").refuse(square == 0, "it has no length")
         label = np.expand_dims(alpha[axis], [k for k in range(d) if k != axis])
         edges.append((label / square)[..., None] * step)
-    return integrate(edges)
+    return integrate(edges, tolerance)
 
 
-def integrate(edges: Sequence[Floats], limit: float = NET_INPUT) -> Floats:
+def integrate(edges: Sequence[Floats], tolerance: float = NET_INPUT) -> Floats:
     """Net from its edges, one array a direction (shorter by one in it), from the origin.
 
     Raises
@@ -60,7 +66,7 @@ def integrate(edges: Sequence[Floats], limit: float = NET_INPUT) -> Floats:
     InputError
         Shapes that belong to no net, entries that are not finite.
     DegenerateError
-        A quad whose four edges do not close within `limit` of its longest; names it.
+        A quad whose four edges do not close within `tolerance` of its longest; names it.
     """
     d = len(edges)
     if d < 2 or edges[0].ndim != d + 1:
@@ -78,12 +84,12 @@ def integrate(edges: Sequence[Floats], limit: float = NET_INPUT) -> Floats:
         low = along[0].take(range(shape[j] - 1), axis=j), along[1].take(range(shape[i] - 1), axis=i)
         high = along[0].take(range(1, shape[j]), axis=j), along[1].take(range(1, shape[i]), axis=i)
         longest = np.maximum.reduce([*low, *high])
-        bad = ~(gap <= limit * longest)
+        bad = ~(gap <= tolerance * longest)
         if bad.any():
             cell = tuple(int(k) for k in np.argwhere(bad)[0])
             raise DegenerateError(
                 f"quad of directions ({i}, {j}) at {cell}: its edges do not close; gap "
-                f"{gap[cell] / longest[cell]:.2g} of the longest (limit {limit:g})",
+                f"{gap[cell] / longest[cell]:.2g} of the longest (limit {tolerance:g})",
                 cell=cell,
             )
     return summed(lambda k: edges[k][layer(d, k, slice(None))], net_shape, 0.0)

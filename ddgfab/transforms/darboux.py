@@ -10,11 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.errors import DegenerateError, InputError
-from ddgfab.mesh import Floats, extent
-from ddgfab.nets.cells import Place, finite, net_points
-from ddgfab.nets.isothermic import isothermic_point, net_labels, point_rule
-from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
+from ddgfab.errors import InputError
+from ddgfab.mesh import Floats
+from ddgfab.nets.isothermic import isothermic_point, net_labels
+from ddgfab.nets.isothermic_layers import darboux_layer
+from ddgfab.quads import Place, finite, net_points
+from ddgfab.tolerances import NET_INPUT
 
 
 def darboux(
@@ -22,6 +23,7 @@ def darboux(
     mu: float,
     start: ArrayLike,
     labels: Sequence[ArrayLike] | None = None,
+    tolerance: float = NET_INPUT,
 ) -> Floats:
     """Darboux transform x^(1) of an isothermic net: q(x, x_k, x_k^(1), x^(1)) = alpha_k / mu.
 
@@ -34,6 +36,8 @@ def darboux(
     mu : label of the new direction, another than all labels of the net, not zero
     start : (2 or 3,) first point of the transform
     labels : of the net by direction; by default its own (`cross_ratio_labels`)
+    tolerance : relative, on cross-ratios against quotients of labels, and on the closing in parts
+        of the transform's size; nets from files with few digits need more than the default
 
     Raises
     ------
@@ -46,62 +50,12 @@ def darboux(
     Source: mathematics.md 6.3.
     """
     x = net_points(points)
-    alpha = net_labels(x, labels)
+    alpha = net_labels(x, labels, tolerance)
     first = np.asarray(start, dtype=np.float64)
     if first.shape != x.shape[-1:]:
         raise InputError(f"the start point has shape {first.shape}; ({x.shape[-1]},) is needed")
     finite(first, "start point")
-    if mu == 0 or not np.isfinite(mu):
-        raise DegenerateError(f"mu = {mu:g}: a label other than zero is needed")
-    for axis, own in enumerate(alpha):
-        same = np.flatnonzero(np.abs(own - mu) <= RELATIVE_DEGENERATE * np.abs(own))
-        if len(same):
-            raise DegenerateError(
-                f"mu = {mu:g} is the label of edge {same[0]} of direction {axis}; take another"
-            )
-    d = x.ndim - 1
-    out = np.empty_like(x)
-    out[(0,) * d] = first
-    for axis in range(d):
-        # All lines of this direction that start on what is known, step by step.
-        lines: tuple[slice | int, ...] = (*(slice(None),) * (axis + 1), *(0,) * (d - axis - 1))
-        known, made = np.moveaxis(x[lines], axis, 0), np.moveaxis(out[lines], axis, 0)
-        for step in range(len(known) - 1):
-            place = Place(
-                lambda index, step=step: (*index, step),  # type: ignore[misc]
-                f"Darboux transform, direction {axis} at",
-            )
-            here, there, above = (
-                np.moveaxis(p, -1, 0) for p in (known[step], known[step + 1], made[step])
-            )
-            label = np.asarray(alpha[axis][step])
-            new = point_rule(here, there, above, label, np.asarray(mu), place)
-            made[step + 1] = np.moveaxis(new, 0, -1)
-    _check_closing(x, out, alpha, mu)
-    return out
-
-
-def _check_closing(x: Floats, out: Floats, alpha: tuple[Floats, ...], mu: float) -> None:
-    """Every edge of the net carries the transform, also those it was not made along."""
-    d = x.ndim - 1
-    size = extent(out)
-    for axis in range(d):
-        n = x.shape[axis]
-        low, high = (r for r in (range(n - 1), range(1, n)))
-        label = np.expand_dims(alpha[axis], [k for k in range(d) if k != axis])
-        again = isothermic_point(
-            x.take(low, axis=axis), x.take(high, axis=axis), out.take(low, axis=axis), label, mu
-        )
-        gap = np.linalg.norm(again - out.take(high, axis=axis), axis=-1)
-        bad = ~(gap <= NET_INPUT * size)
-        if bad.any():
-            cell = tuple(int(k) for k in np.argwhere(bad)[0])
-            raise DegenerateError(
-                f"edge of direction {axis} at {cell}: the transform does not close, gap "
-                f"{gap[cell]:.2g} of {size:.3g} (limit {NET_INPUT:g} of it); is the net "
-                "isothermic with these labels?",
-                cell=cell,
-            )
+    return darboux_layer(x, alpha, mu, first, tolerance)
 
 
 def darboux_common(

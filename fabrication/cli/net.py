@@ -40,8 +40,8 @@ def net_command(
     """Write an exact net (planar, circular, conical, ...) as a mesh file."""
     with errors(debug):
         from ddgfab.errors import InputError
+        from ddgfab.forms.registry import find_generator, generate, kinds
         from ddgfab.io import write_mesh
-        from ddgfab.nets.registry import find_generator, generate, kinds
 
         if listing:
             _list_nets(kinds() if kind is None else (kind,))
@@ -85,7 +85,7 @@ def _write_circles(path: Path, mesh: Mesh) -> str:
 
 def _list_nets(names: tuple[str, ...]) -> None:
     """Kinds of net with their parameters, defaults, limits and meaning."""
-    from ddgfab.nets.registry import find_generator
+    from ddgfab.forms.registry import find_generator
 
     for name in names:
         entry = find_generator(name)

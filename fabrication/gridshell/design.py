@@ -14,11 +14,11 @@ from typing import Any, Final, TypeAlias, cast
 import numpy as np
 
 from ddgfab.errors import InputError
+from ddgfab.forms.generators import GENERATORS
+from ddgfab.forms.registry import find_generator, generate
 from ddgfab.io import read_mesh
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets.generators import GENERATORS
-from ddgfab.nets.registry import find_generator, generate
 from ddgfab.optimize import Goal, OptimizeResult, TorsionFreeResult, optimize
 from ddgfab.support import SupportKind, SupportStructure, support_structure
 from fabrication.families import families

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ddgfab.errors import ProjectError
-from ddgfab.nets.registry import ParameterError, find_generator, kinds
+from ddgfab.forms.registry import ParameterError, find_generator, kinds
 from fabrication.gridshell.project import MESH, NetSettings, Project
 from fabrication.project.load import (
     changed,

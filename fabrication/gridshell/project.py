@@ -10,7 +10,7 @@ from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import Field, field_validator, model_validator
 
-from ddgfab.nets.registry import kinds
+from ddgfab.forms.registry import kinds
 from ddgfab.optimize import Boundary, Goal
 from ddgfab.suggest import suggestion
 from ddgfab.support import SupportKind

@@ -14,8 +14,8 @@ from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mecha
 from ddgfab.mesh import Floats
 from ddgfab.net import Net
 from ddgfab.nets.knet import KNet
-from ddgfab.nets.knet_crab import crab_net
-from ddgfab.nets.knet_recover import recover_knet
+from ddgfab.nets.knet.crab import crab_net
+from ddgfab.nets.knet.recover import recover_knet
 from fabrication.linkage.surfaces import check_numbers, surface_net
 from fabrication.project.sections import Finite, Positive, Section
 

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.cells import Bools
+from ddgfab.quads import Bools
 from fabrication.motion.convex import ConvexPieces
 
 ROUNDS: Final = 40

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.cells import Bools
+from ddgfab.quads import Bools
 from fabrication.motion.convex import Body, ConvexPieces
 
 

@@ -17,7 +17,7 @@ from ddgfab.linkages import Mechanism
 from ddgfab.linkages.frames import angular_velocity
 from ddgfab.linkages.mechanism import END_SLACK, Bounds
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.cells import Bools
+from ddgfab.quads import Bools
 from fabrication.motion.contacts import PairMotions, PlacedPairs, gaps, margin, segment_gaps
 from fabrication.motion.convex import ConvexPieces
 from fabrication.motion.pairs import Rules, near_pairs

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ddgfab.mesh import Floats, unit
-from ddgfab.nets import KNet, knet
+from ddgfab.nets.knet import KNet, knet
 
 EXACT = 1e-12
 """Agreement of nets of about 20 x 20 cells with closed forms and conditions (mathematics.md 0,

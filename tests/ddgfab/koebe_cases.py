@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from ddgfab.mesh import Mesh
-from ddgfab.nets.koebe_solids import (
+from ddgfab.nets.koebe.solids import (
     antiprism,
     cube_cells,
     dual_solid,

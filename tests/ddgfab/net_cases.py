@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ddgfab.forms import monge, profile_polyline
+from ddgfab.forms.canal import canal_net
 from ddgfab.mesh import Floats, unit
-from ddgfab.nets import monge, profile_polyline
-from ddgfab.nets.canal import canal_net
 from ddgfab.transforms import invert
 
 

@@ -19,7 +19,7 @@ from ddgfab.curvature import (
     triangulate,
 )
 from ddgfab.errors import DegenerateError, MeshError
-from ddgfab.nets.grid import grid_mesh
+from ddgfab.grid import grid_mesh
 
 K_GON, NECK, STEP = 8, 1.0, 0.3
 """The discrete catenoid of mathematics.md 8.4: r cosh(a z / r), rings STEP apart."""

@@ -13,8 +13,8 @@ from ddgfab.curvature import (
     triangulate,
 )
 from ddgfab.errors import DegenerateError, MeshError
+from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets import grid_mesh
 
 
 def scherk(x: Floats, y: Floats) -> Floats:

@@ -8,7 +8,7 @@ import pytest
 from ddgfab.curvature import knet_curvature, skew_curvature, unit_curvature_scale
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.knet import KNet, knet
+from ddgfab.nets.knet.net import KNet, knet
 
 RNG = np.random.default_rng(7)
 

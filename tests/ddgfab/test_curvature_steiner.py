@@ -8,9 +8,10 @@ import pytest
 from ddgfab import Mesh
 from ddgfab.curvature import steiner_curvatures
 from ddgfab.errors import DegenerateError, MeshError
+from ddgfab.forms import generate, rotational_net
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import oriented_areas
-from ddgfab.nets import generate, rotational_net, vertex_normals
-from ddgfab.nets.grid import grid_mesh
+from ddgfab.nets import vertex_normals
 from ddgfab.transforms import christoffel_dual
 
 

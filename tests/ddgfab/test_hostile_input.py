@@ -32,7 +32,8 @@ from ddgfab.curvature import (
 from ddgfab.errors import DdgError
 from ddgfab.linkages import Pose, bennett, flex, mobility
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets import koebe_solids, sisothermic
+from ddgfab.nets import knet, koebe, minimal, sisothermic
+from ddgfab.nets.koebe import solids as koebe_solids
 from ddgfab.surfaces.isothermic import smooth_dual, smooth_isothermic_residuals
 from ddgfab.transforms import (
     baecklund,
@@ -45,8 +46,8 @@ from ddgfab.transforms import (
     darboux_dual,
 )
 
-KNET = nets.knet([np.full(4, 0.3), np.full(3, 0.4)], [np.full(3, 0.1), np.full(2, -0.2)], 1.2)
-BOX = nets.knet([[0.3, 0.2], [0.4], [0.5]], [[0.1], [], []], [1.2, 0.7])
+KNET = knet.knet([np.full(4, 0.3), np.full(3, 0.4)], [np.full(3, 0.1), np.full(2, -0.2)], 1.2)
+BOX = knet.knet([[0.3, 0.2], [0.4], [0.5]], [[0.1], [], []], [1.2, 0.7])
 
 
 def isothermic() -> Floats:
@@ -60,10 +61,10 @@ def isothermic() -> Floats:
 ISO = isothermic()
 FIRST, SECOND = darboux(ISO, 3.0, [0.5, 0.2, 0.9]), darboux(ISO, -2.5, [0.1, 0.9, 0.2])
 SOLID = koebe_solids.cube_cells(2)
-KOEBE = nets.koebe(SOLID)
+KOEBE = koebe.koebe(SOLID)
 PART = KOEBE.net(np.arange(20, 24))
-MINIMAL = nets.minimal_surface(PART)
-CRAB = nets.crab_net(6, 0.5, 1.0, 5)
+MINIMAL = minimal.minimal_surface(PART)
+CRAB = knet.crab_net(6, 0.5, 1.0, 5)
 BENNETT = bennett(100.0, 0.5, beta=1.2)
 POSE = BENNETT.pose(1.0)
 TRIANGLES = triangulate(MINIMAL.mesh)
@@ -93,15 +94,15 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"a": BOX.m[:, :, 0], "b": BOX.m[:, 0], "c": BOX.m[0]},
     ),
     "spherical_fourth": (
-        nets.spherical_fourth,
+        knet.spherical_fourth,
         {"m": KNET.m[0, 0], "m_i": KNET.m[1, 0], "m_j": KNET.m[0, 1]},
     ),
     "evolve_spherical": (
-        lambda a, b: nets.evolve_spherical([a, b]),
+        lambda a, b: knet.evolve_spherical([a, b]),
         {"a": KNET.m[:, 0], "b": KNET.m[0]},
     ),
     "knet": (
-        lambda delta, turn, corner, r, normal, edge: nets.knet(
+        lambda delta, turn, corner, r, normal, edge: knet.knet(
             [delta, [0.4, 0.3]], [turn, [0.2]], corner, r=r, normal=normal, edge=edge
         ),
         {
@@ -114,7 +115,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         },
     ),
     "skew_parallelogram": (
-        nets.skew_parallelogram,
+        knet.skew_parallelogram,
         {
             "x": KNET.points[0, 0],
             "x1": KNET.points[1, 0],
@@ -122,31 +123,31 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "x12": KNET.points[1, 1],
         },
     ),
-    "chi_of_phi": (nets.chi_of_phi, {"phi": np.array([0.3, 1.0]), "k": np.array([0.1, 0.2])}),
+    "chi_of_phi": (knet.chi_of_phi, {"phi": np.array([0.3, 1.0]), "k": np.array([0.1, 0.2])}),
     "hirota_residual": (
-        nets.hirota_residual,
+        knet.hirota_residual,
         {"h": np.sin(np.arange(20.0)).reshape(4, 5), "k": np.full((3, 4), 0.1)},
     ),
     "evolve_hirota": (
-        nets.evolve_hirota,
+        knet.evolve_hirota,
         {
             "first": np.array([0.1, 0.5, 0.3]),
             "second": np.array([0.1, 0.4]),
             "k": np.full((2, 1), 0.1),
         },
     ),
-    "recover_knet": (nets.recover_knet, {"source": KNET.points}),
+    "recover_knet": (knet.recover_knet, {"source": KNET.points}),
     "dini": (
-        nets.dini,
+        knet.dini,
         {"alphas": np.full(4, 0.3), "betas": np.full(3, 0.4), "sigma": 1.2, "t0": 0.7},
     ),
-    "pseudosphere": (nets.pseudosphere, {"cells": (4, 3), "alpha": 0.3, "offset": 0.2, "r": 1.0}),
+    "pseudosphere": (knet.pseudosphere, {"cells": (4, 3), "alpha": 0.3, "offset": 0.2, "r": 1.0}),
     "breather": (
-        nets.breather,
+        knet.breather,
         {"alphas": np.full(4, 0.3), "betas": np.full(3, 0.4), "tau": 0.8},
     ),
-    "crab_net": (nets.crab_net, {"n_fold": 6, "delta": 0.5, "theta0": 1.0, "rings": 5, "r": 1.0}),
-    "string_forces": (lambda t: nets.string_forces(CRAB, t), {"t": np.ones(4)}),
+    "crab_net": (knet.crab_net, {"n_fold": 6, "delta": 0.5, "theta0": 1.0, "rings": 5, "r": 1.0}),
+    "string_forces": (lambda t: knet.string_forces(CRAB, t), {"t": np.ones(4)}),
     "baecklund": (lambda sigma, psi: baecklund(KNET, sigma, psi), {"sigma": 1.2, "psi": 0.4}),
     "baecklund_from": (lambda n: baecklund_from(KNET, n), {"n": np.array([0.6, 0.0, 0.8])}),
     "baecklund_lattice": (
@@ -177,17 +178,17 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"points": ISO, "transform": FIRST, "dual": christoffel_dual(ISO), "mu": 3.0},
     ),
     "koebe_vertex": (
-        nets.koebe_vertex,
+        koebe.koebe_vertex,
         {"centres": np.array([[0.1, 0.2], [0.3, 0.1]]), "radii": np.array([0.1, 0.2])},
     ),
-    "enneper": (nets.enneper, {"cells": (2, 3), "half_step": 0.2}),
-    "helicoid": (nets.helicoid, {"around": 6, "rings": (-1, 2), "columns": 4}),
-    "scherk": (nets.scherk, {"cells": 4, "storeys": 2}),
-    "schwarz_p": (nets.schwarz_p, {"cells": 3}),
+    "enneper": (minimal.enneper, {"cells": (2, 3), "half_step": 0.2}),
+    "helicoid": (minimal.helicoid, {"around": 6, "rings": (-1, 2), "columns": 4}),
+    "scherk": (minimal.scherk, {"cells": 4, "storeys": 2}),
+    "schwarz_p": (minimal.schwarz_p, {"cells": 3}),
     "dual_face": (nets.dual_face, {"points": PART.mesh.vertices[PART.mesh.faces[0]]}),
     "dual": (lambda labels: nets.dual(PART, labels).net, {"labels": MINIMAL.labels}),
     "minimal_surface": (
-        lambda angle, labels, scale: nets.minimal_surface(
+        lambda angle, labels, scale: minimal.minimal_surface(
             PART, angle=angle, labels=labels, scale=scale
         ),
         {"angle": 0.3, "labels": MINIMAL.labels, "scale": 1.0},
@@ -204,7 +205,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "turned": (KOEBE.turned, {"rotation": np.eye(3)}),
     "aligned": (KOEBE.aligned, {"vertices": SOLID.vertices}),
-    "koebe": (lambda i: nets.koebe(SOLID, infinity=i), {"i": 3}),
+    "koebe": (lambda i: koebe.koebe(SOLID, infinity=i), {"i": 3}),
     "piece": (lambda faces: KOEBE.net(faces), {"faces": np.array([0, 1])}),
     "steiner_curvatures": (
         lambda g: steiner_curvatures(MINIMAL.mesh, g),

@@ -9,8 +9,8 @@ from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages import Pose, bennett, crab_mechanism, cube, flex, knet_mechanism, mobility
 from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mobility import _kernel, linkage_jacobian
-from ddgfab.nets.knet import KNet, knet
-from ddgfab.nets.knet_crab import crab_net
+from ddgfab.nets.knet.crab import crab_net
+from ddgfab.nets.knet.net import KNet, knet
 
 
 def a_net(*sizes: int, seed: int = 1) -> KNet:
@@ -104,30 +104,89 @@ def test_a_rigid_quad_has_none() -> None:
 
 
 def test_jacobian_by_differences() -> None:
+    """Second route: what a bar keeps, |e|, <e, n>, <e, n'>, <n, n'>, |n|, det(e, n, n')."""
+    rng = np.random.default_rng(3)
     net = a_net(2, 1)
-    pose = Pose(net.points.reshape(-1, 3), net.normals.reshape(-1, 3))
     bars = Grid.build(net.shape).bars
-    size = np.linalg.norm(np.diff(pose.points[bars], axis=1)[:, 0], axis=1).mean()
+    points, axes = net.points.reshape(-1, 3), net.normals.reshape(-1, 3).copy()
+    axes[bars[0, 1]] = axes[bars[0, 0]]  # one bar of twist 0
+    size = np.linalg.norm(np.diff(points[bars], axis=1)[:, 0], axis=1).mean()
 
-    def values(flat: np.ndarray) -> np.ndarray:
+    def kept(flat: np.ndarray) -> np.ndarray:
         x, n = flat.reshape(2, -1, 3)
         i, j = bars.T
         e = x[j] - x[i]
+        gram = [(e * e), (n[i] * n[j]), (e * n[i]), (e * n[j]), (n[i] * n[i]), (n[j] * n[j])]
+        det = np.linalg.det(np.stack([e, n[i], n[j]], axis=1))
+        return np.stack([*(g.sum(axis=1) for g in gram), det], axis=1).ravel()
 
-        def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-            return np.einsum("ei,ei->e", a, b)
-
-        return np.concatenate(
-            [dot(e, e) / 2, dot(n[i], n[j]), dot(e, n[i]), dot(e, n[j]), dot(n, n) / 2]
-        )
-
-    start = np.concatenate([pose.points.ravel() / size, pose.axes.ravel()])
-    jacobian = linkage_jacobian(bars, pose)
+    start = np.concatenate([points.ravel() / size, axes.ravel()])
+    slope = np.empty((7 * len(bars), len(start)))
     for k in range(len(start)):
         step = np.zeros_like(start)
         step[k] = 1e-6
-        slope = (values(start + step) - values(start - step)) / 2e-6
-        assert np.abs(slope - jacobian[:, k]).max() < 1e-8
+        slope[:, k] = (kept(start + step) - kept(start - step)) / 2e-6
+    jacobian = linkage_jacobian(bars, Pose(points, axes))
+    for bar in range(len(bars)):
+        ours, theirs = jacobian[7 * bar : 7 * bar + 7], slope[7 * bar : 7 * bar + 7]
+        values = np.linalg.svd(ours, compute_uv=False)
+        assert values[5] > 0.99
+        assert values[6] == 0
+        # The same space of rows: nothing of one is left beside the other.
+        assert np.abs(theirs - theirs @ np.linalg.pinv(ours) @ ours).max() < 1e-8
+        assert np.linalg.matrix_rank(theirs, tol=1e-6) == 6
+    # And a turn of everything about any axis is no change.
+    turn = rng.normal(size=3)
+    moved = np.concatenate([np.cross(turn, points / size), np.cross(turn, axes)]).ravel()
+    assert np.abs(jacobian @ moved).max() < 1e-14
+
+
+Z = [0.0, 0.0, 1.0]
+SQUARE = [[0.0, 0, 0], [2, 0.3, 0], [2.4, 1.9, 0], [-0.4, 1.4, 0]]
+RING5 = [*SQUARE, [-0.9, 0.5, 0]]
+TURNED = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+
+
+def ring(count: int) -> list[list[int]]:
+    return [[k, (k + 1) % count] for k in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("points", "axes", "bars", "expected"),
+    [
+        (SQUARE, [Z] * 4, ring(4), 1),
+        (SQUARE, [Z, [0, 0, -1.0], Z, [0, 0, -1.0]], ring(4), 1),  # twists pi
+        (RING5, [Z] * 5, ring(5), 2),
+        (SQUARE[:3], [Z] * 3, ring(3), 0),
+        (SQUARE[:3], [Z] * 3, [[0, 1], [1, 2]], 1),
+        (RING5, [Z] * 5, [[0, 1], [1, 2], [2, 3], [3, 4]], 3),
+        (SQUARE, [Z] * 4, [*ring(4), [0, 2]], 0),  # braced
+        # A planar four-bar whose hinge 0 carries another bar about an axis of its own kind: 1 + 1.
+        ([*SQUARE, [0.0, -1.0, 0.5]], [*[Z] * 4, [1.0, 0, 0]], [*ring(4), [0, 4]], 2),
+        # A spatial chain with parallel axes in its middle: one hinge less than bars each.
+        (
+            [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1]],
+            [[0, 1.0, 0], Z, Z, [1.0, 0, 0]],
+            [[0, 1], [1, 2], [2, 3]],
+            2,
+        ),
+        # An axis along its bar, as of a wrist.
+        ([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]], [Z, [1.0, 0, 0], Z], [[0, 1], [1, 2]], 1),
+    ],
+)
+@pytest.mark.parametrize("scale", [1.0, 1e4])
+def test_parallel_axes(
+    points: list[list[float]],
+    axes: list[list[float]],
+    bars: list[list[int]],
+    expected: int,
+    scale: float,
+) -> None:
+    """Twists 0 and pi: by Gruebler's count for planar linkages, by hinges for open chains."""
+    x, n = np.array(points) @ TURNED.T * scale, np.array(axes) @ TURNED.T
+    assert mobility(bars, Pose(x, n)) == expected
+    values = np.linalg.svd(linkage_jacobian(np.array(bars), Pose(x, n)), compute_uv=False)
+    assert 6 * len(x) - int((values > 1e-9).sum()) - 6 == expected
 
 
 def test_flex_keeps_bars() -> None:

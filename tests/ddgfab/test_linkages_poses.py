@@ -18,9 +18,9 @@ from ddgfab.linkages import (
     signed_twists,
 )
 from ddgfab.linkages.assemble import crossings, isogram_angles
-from ddgfab.nets.knet import KNet, knet
-from ddgfab.nets.knet_crab import crab_net
-from ddgfab.nets.knet_dini import dini
+from ddgfab.nets.knet.crab import crab_net
+from ddgfab.nets.knet.dini import dini
+from ddgfab.nets.knet.net import KNet, knet
 
 EXACT = 1e-12
 

@@ -9,8 +9,8 @@ from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mecha
 from ddgfab.linkages.crab_rates import power
 from ddgfab.linkages.frames import angular_velocity
 from ddgfab.linkages.models import ORDER, Model, closing, product
-from ddgfab.nets.knet import knet
-from ddgfab.nets.knet_crab import crab_net
+from ddgfab.nets.knet.crab import crab_net
+from ddgfab.nets.knet.net import knet
 
 STEPS = 61
 

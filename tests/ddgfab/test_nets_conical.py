@@ -8,9 +8,11 @@ import pytest
 from net_cases import circular_net, concyclic_defect, parallel_defect, planar_net, space_canal
 
 from ddgfab.errors import DegenerateError, InputError
+from ddgfab.forms.rotational import rotational_net
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import conical_defect, planarity
 from ddgfab.mesh import Floats, unit
-from ddgfab.nets import circularity, grid_mesh, vertex_normals
+from ddgfab.nets import circularity, vertex_normals
 from ddgfab.nets.axes import circle_axes
 from ddgfab.nets.conical import (
     angle_balance,
@@ -23,7 +25,6 @@ from ddgfab.nets.conical import (
     conical_to_circular,
     face_normals,
 )
-from ddgfab.nets.rotational import rotational_net
 from ddgfab.transforms import combescure
 
 MERIDIAN = np.array([[3.0, 0.0], [2.8, 0.9], [2.2, 1.6], [1.3, 2.0]])

@@ -9,17 +9,19 @@ import pytest
 from net_cases import concyclic_defect, planar_net, space_canal
 
 from ddgfab.errors import DegenerateError, InputError
+from ddgfab.forms import profile_polyline
+from ddgfab.forms.canal import canal_circles, canal_net
+from ddgfab.forms.moulding import moulding_net
+from ddgfab.forms.placing import chord_arc
+from ddgfab.forms.registry import ParameterError, find_generator, generate, kinds
+from ddgfab.forms.rotational import rotational_net
+from ddgfab.forms.translation import translation_net
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import planarity
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets import circularity, grid_mesh, profile_polyline
-from ddgfab.nets.canal import canal_circles, canal_net
+from ddgfab.nets import circularity
 from ddgfab.nets.conical import angle_balance, conical_residuals
 from ddgfab.nets.conjugate import coefficients
-from ddgfab.nets.moulding import moulding_net
-from ddgfab.nets.placing import chord_arc
-from ddgfab.nets.registry import ParameterError, find_generator, generate, kinds
-from ddgfab.nets.rotational import rotational_net
-from ddgfab.nets.translation import translation_net
 from ddgfab.support import support_structure
 
 KINDS = ("canal", "canopy", "circular", "conical", "monge", "moulding", "rotational", "translation")
@@ -236,7 +238,7 @@ def test_mistakes_name_parameter_value_and_limits(
 
 
 def test_whole_numbers_pass_for_numbers_and_functions_check_themselves() -> None:
-    from ddgfab.nets.translation import translation_roof
+    from ddgfab.forms.translation import translation_roof
 
     assert translation_roof(3, 2, panel_along_mm=1000).n_faces == 6
     with pytest.raises(ParameterError) as caught:

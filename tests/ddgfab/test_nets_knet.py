@@ -10,7 +10,7 @@ from knet_cases import EXACT, any_knet, by_projection, cauchy
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, unit
-from ddgfab.nets import KNet, knet, oriented_angle, skew_parallelogram
+from ddgfab.nets.knet import KNet, knet, oriented_angle, skew_parallelogram
 
 CASES = [(20, 20), (1, 1), (1, 6), (5, 1), (4, 3, 5), (2, 3, 2, 2)]
 

@@ -8,7 +8,7 @@ from knet_cases import EXACT, any_knet
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import unit
-from ddgfab.nets import (
+from ddgfab.nets.knet import (
     KNet,
     amsler,
     angle_coefficient,

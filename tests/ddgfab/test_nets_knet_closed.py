@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets import KNet, amsler, breather, dini, knet, pseudosphere, quad_angles, vacuum
+from ddgfab.nets.knet import KNet, amsler, breather, dini, knet, pseudosphere, quad_angles, vacuum
 from ddgfab.transforms import baecklund
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import unit
-from ddgfab.nets import CrabNet, crab_net, knet, pseudosphere, string_forces, string_tensions
+from ddgfab.nets.knet import CrabNet, crab_net, knet, pseudosphere, string_forces, string_tensions
 
 
 def printed() -> CrabNet:

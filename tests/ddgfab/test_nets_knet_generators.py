@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import DegenerateError, InputError
+from ddgfab.forms.knet_sheets import band_mesh, crossing_lines, facing, levelled, ring_mesh
+from ddgfab.forms.registry import ParameterError, find_generator, generate, kinds
 from ddgfab.measures import star_defect, torsion
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets import knet_from_mesh, pseudosphere
-from ddgfab.nets.knet_sheets import band_mesh, crossing_lines, facing, levelled, ring_mesh
-from ddgfab.nets.registry import ParameterError, find_generator, generate, kinds
+from ddgfab.nets.knet import knet_from_mesh, pseudosphere
 from ddgfab.support.asymptotic import surface_normals
 
 KINDS = ("amsler", "breather", "crab", "dini", "knet", "kuen", "pseudosphere")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError
-from ddgfab.nets import breather, dini, kuen, vacuum
+from ddgfab.nets.knet import breather, dini, kuen, vacuum
 from ddgfab.surfaces import kuen as smooth_kuen
 
 ALPHAS, BETAS = np.linspace(0.1, 0.3, 12), np.linspace(0.2, 0.1, 9)

@@ -11,16 +11,11 @@ import pytest
 from knet_cases import any_knet
 
 from ddgfab.errors import DegenerateError, InputError
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.mesh import Mesh
-from ddgfab.nets import (
-    crab_net,
-    grid_mesh,
-    knet,
-    knet_from_mesh,
-    recover_knet,
-    star_flatness,
-)
+from ddgfab.nets import star_flatness
+from ddgfab.nets.knet import crab_net, knet, knet_from_mesh, recover_knet
 
 
 @pytest.mark.parametrize("cells", [(12, 9), (1, 1), (1, 5), (3, 4, 2), (2, 2, 2, 3)])

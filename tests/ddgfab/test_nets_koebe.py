@@ -8,11 +8,11 @@ from koebe_cases import SOLIDS, random_hull
 
 from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets import koebe
-from ddgfab.nets.koebe import KoebePolyhedron
-from ddgfab.nets.koebe_centre import boost, centring
-from ddgfab.nets.koebe_pattern import CirclePattern
-from ddgfab.nets.koebe_solids import cube_cells, dual_solid, prism, triangle_cells
+from ddgfab.nets.koebe import koebe
+from ddgfab.nets.koebe.centering import boost, centring
+from ddgfab.nets.koebe.pattern import CirclePattern
+from ddgfab.nets.koebe.polyhedron import KoebePolyhedron
+from ddgfab.nets.koebe.solids import cube_cells, dual_solid, prism, triangle_cells
 
 
 def gram(solid: KoebePolyhedron) -> Floats:
@@ -278,7 +278,7 @@ def test_connectivity_agrees_with_a_search_through_all_pairs() -> None:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    from ddgfab.nets.koebe_checks import check_polyhedron
+    from ddgfab.nets.koebe.checks import check_polyhedron
 
     def three_connected(mesh: Mesh) -> bool:
         for i in range(mesh.n_vertices):

@@ -9,18 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ddgfab.circles import Circles
 from ddgfab.errors import DegenerateError, InputError, MeshError, SupportError
+from ddgfab.forms.koebe import SHAPES
+from ddgfab.forms.minimal import SURFACES
+from ddgfab.forms.registry import ParameterError, find_generator, generate
 from ddgfab.io import write_obj
 from ddgfab.io.cells import read_cells
 from ddgfab.io.circles import COLUMNS, write_circles
 from ddgfab.measures import planarity
 from ddgfab.mesh import Mesh
-from ddgfab.nets import Circles, SIsothermic, koebe, minimal_surface
-from ddgfab.nets.koebe_ball import SHAPES
-from ddgfab.nets.koebe_grids import enneper_koebe
-from ddgfab.nets.koebe_solids import cube_cells, pillow
-from ddgfab.nets.minimal_roof import SURFACES
-from ddgfab.nets.registry import ParameterError, find_generator, generate
+from ddgfab.nets import SIsothermic
+from ddgfab.nets.koebe import koebe
+from ddgfab.nets.koebe.grids import enneper_koebe
+from ddgfab.nets.koebe.solids import cube_cells, pillow
+from ddgfab.nets.minimal import minimal_surface
 from ddgfab.offsets import classify_offset, edge_offset
 from ddgfab.support import beam_heights, edge_axes, support_structure
 

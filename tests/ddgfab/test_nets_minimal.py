@@ -10,28 +10,25 @@ import pytest
 from koebe_cases import SOLIDS
 
 from ddgfab.errors import DegenerateError, InputError, MeshError
+from ddgfab.forms.minimal import from_cells
 from ddgfab.io import write_obj
 from ddgfab.mesh import Floats, unit
-from ddgfab.nets import (
+from ddgfab.nets import SIsothermic, label_edges
+from ddgfab.nets.koebe import enneper_koebe, koebe, koebe_vertex
+from ddgfab.nets.koebe.grids import catenoid_koebe
+from ddgfab.nets.koebe.solids import cube_cells
+from ddgfab.nets.minimal import (
     MinimalNet,
-    SIsothermic,
     catenoid,
     enneper,
-    enneper_koebe,
     helicoid,
-    koebe,
-    koebe_vertex,
-    label_edges,
     minimal_surface,
     scherk,
     schwarz_d,
     schwarz_p,
     schwarz_p_cell,
 )
-from ddgfab.nets.koebe_grids import catenoid_koebe
-from ddgfab.nets.koebe_solids import cube_cells
-from ddgfab.nets.minimal_cells import join, mirrored, schwarz_koebe
-from ddgfab.nets.minimal_roof import from_cells
+from ddgfab.nets.minimal.periodic import join, mirrored, schwarz_koebe
 from ddgfab.offsets import classify_offset, koebe_field
 from ddgfab.surfaces import smooth_catenoid, smooth_enneper, smooth_scherk_tower, smooth_schwarz_p
 

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import DegenerateError, InputError, MeshError
+from ddgfab.forms import canopy, monge, profile_polyline
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import dihedral_angles, planarity, torsion
 from ddgfab.mesh import Floats, unit
-from ddgfab.nets import canopy, circularity, grid_mesh, monge, profile_polyline, vertex_normals
+from ddgfab.nets import circularity, vertex_normals
 from ddgfab.transforms import invert, invert_normals
 
 

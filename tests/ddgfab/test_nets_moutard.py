@@ -12,13 +12,12 @@ from ddgfab.mesh import Floats
 from ddgfab.nets import (
     coordinate_surfaces,
     evolve_moutard,
-    evolve_spherical,
     evolve_tnet,
     moutard_coefficients,
     moutard_cube,
-    spherical_fourth,
     star_triangle,
 )
+from ddgfab.nets.knet import evolve_spherical, spherical_fourth
 
 
 def axes(sizes: tuple[int, ...], dim: int, seed: int = 0) -> list[Floats]:

@@ -16,12 +16,13 @@ from net_cases import (
 )
 
 from ddgfab.errors import DegenerateError, InputError, MeshError
+from ddgfab.forms.registry import generate
+from ddgfab.forms.translation import translation_net
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import mixed_areas, oriented_areas, planarity
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets import circularity, conjugate_residuals, grid_mesh
+from ddgfab.nets import circularity, conjugate_residuals
 from ddgfab.nets.conical import circular_to_conical, conical_determinant
-from ddgfab.nets.registry import generate
-from ddgfab.nets.translation import translation_net
 from ddgfab.offsets import (
     classify_offset,
     edge_offset,

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError, OptimizeError
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets.grid import grid_mesh
 from ddgfab.optimize import FamiliesResult, families, optimize
 from ddgfab.optimize.repetition import cluster_shapes, count_families, family_labels, pieces
 

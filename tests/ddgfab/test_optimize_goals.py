@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError, OptimizeError
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.measures import circular_defect, conical_defect, planarity_percent
 from ddgfab.mesh import Mesh
-from ddgfab.nets.grid import grid_mesh
 from ddgfab.optimize import TorsionFreeResult, optimize
 from ddgfab.optimize.report import comparison, comparison_text
 

@@ -9,8 +9,8 @@ import pytest
 from scipy.sparse import csc_array, csr_array, diags_array, eye_array, random_array
 
 from ddgfab.errors import DegenerateError, InputError, OptimizeError
+from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Mesh
-from ddgfab.nets.grid import grid_mesh
 from ddgfab.optimize import Problem, SolveOptions, Step, Term, mean_edge, polish, solve
 from ddgfab.optimize.linear import SymmetricSolver
 from ddgfab.optimize.terms import (

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import (
     chebyshev_defect,
     circular_defect,
@@ -16,7 +17,6 @@ from ddgfab.measures import (
     star_defect,
 )
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.nets.grid import grid_mesh
 from ddgfab.optimize import Problem, SolveOptions, Term, solve
 from ddgfab.optimize.terms import (
     boundary_glide,

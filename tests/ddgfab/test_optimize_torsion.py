@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import OptimizeError
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets.grid import grid_mesh
 from ddgfab.optimize import Problem, Term
 from ddgfab.optimize.newton import NewtonOptions, curvature, newton
 from ddgfab.optimize.terms import LinearTerm, LocalTerm, closeness, planarity_terms

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import DegenerateError, InputError, OptimizeError, SupportError
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.measures import lean, planarity_percent, torsion
 from ddgfab.mesh import Mesh
-from ddgfab.nets.grid import grid_mesh
 from ddgfab.optimize import TorsionFreeResult, folded_faces, optimize, torsion_free
 from ddgfab.optimize.torsion_free import LIMITS
 from ddgfab.support import even_lean, support_structure

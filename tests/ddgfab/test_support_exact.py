@@ -10,10 +10,12 @@ import pytest
 from numpy.linalg import matrix_rank
 
 from ddgfab.errors import SupportError
+from ddgfab.forms import canopy
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.measures import planarity_percent, torsion
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets import canopy, circularity, grid_mesh, vertex_normals
+from ddgfab.nets import circularity, vertex_normals
 from ddgfab.support import (
     SupportStructure,
     best_centre,

@@ -10,10 +10,11 @@ import pytest
 from numpy.linalg import matrix_rank
 
 from ddgfab.errors import SupportError
+from ddgfab.forms import canopy
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.measures import lean, torsion
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets import canopy, grid_mesh
 from ddgfab.support import OptimizeOptions, even_lean, optimize
 from ddgfab.support.optimize import _hessian, constraints, jacobian, tangent_frames
 

@@ -7,9 +7,10 @@ import pytest
 from net_cases import circular_net, planar_net, skew_net
 
 from ddgfab.errors import DegenerateError, InputError, SupportError
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets import grid_mesh, vertex_normals
+from ddgfab.nets import vertex_normals
 from ddgfab.nets.axes import circle_axes
 from ddgfab.nets.conical import best_normal, circular_to_conical
 from ddgfab.support import SupportStructure, incircle_axes, node_torsion, propagate_axes

@@ -7,10 +7,10 @@ import pytest
 
 from ddgfab.curvature import skew_curvature
 from ddgfab.mesh import Floats
-from ddgfab.nets import KNet, crab_net, hirota_potential, knet, pseudosphere
-from ddgfab.nets import amsler as amsler_net
-from ddgfab.nets import breather as breather_net
-from ddgfab.nets import dini as dini_net
+from ddgfab.nets.knet import KNet, crab_net, hirota_potential, knet, pseudosphere
+from ddgfab.nets.knet import amsler as amsler_net
+from ddgfab.nets.knet import breather as breather_net
+from ddgfab.nets.knet import dini as dini_net
 from ddgfab.surfaces import (
     amsler,
     amsler_angle,

@@ -10,17 +10,8 @@ from knet_cases import EXACT, any_knet
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import unit
-from ddgfab.nets import (
-    KNet,
-    dini,
-    knet,
-    lattice,
-    recover_knet,
-    spherical_fourth,
-    stack_transforms,
-    star_flatness,
-    vacuum,
-)
+from ddgfab.nets import lattice, stack_transforms, star_flatness
+from ddgfab.nets.knet import KNet, dini, knet, recover_knet, spherical_fourth, vacuum
 from ddgfab.transforms import baecklund, baecklund_from, baecklund_lattice, bianchi
 
 

@@ -10,6 +10,8 @@ import pytest
 from net_cases import catenoid_net, circular_net, koebe_net, planar_net
 from similarity_cases import SIMILARITIES, Similarity
 
+from ddgfab.forms.rotational import rotational_net
+from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh, extent
 from ddgfab.nets import (
     circular_to_conical,
@@ -19,8 +21,6 @@ from ddgfab.nets import (
     dual,
     vertex_normals,
 )
-from ddgfab.nets.grid import grid_mesh
-from ddgfab.nets.rotational import rotational_net
 from ddgfab.nets.sisothermic import SIsothermic
 from ddgfab.offsets import edge_offset, face_offset, vertex_offset
 from ddgfab.support.propagate import propagate_axes

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Mesh
-from ddgfab.nets import grid_mesh
 
 
 def barrel(rows: int = 3, columns: int = 4, radius: float = 8000.0, angle: float = 0.18) -> Mesh:

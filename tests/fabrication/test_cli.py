@@ -14,8 +14,8 @@ import pytest
 from roofs import barrel
 from typer.testing import CliRunner, Result
 
+from ddgfab.forms import canopy
 from ddgfab.io import write_obj
-from ddgfab.nets import canopy
 from fabrication.cli import app
 
 PROGRAM = "from fabrication.cli import main; main()"

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from ddgfab.forms import canopy
 from ddgfab.io import write_obj
-from ddgfab.nets import canopy
 from fabrication.cli import app
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "linkages"

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from ddgfab.forms.registry import find_generator, generate, kinds
 from ddgfab.io import read_mesh
-from ddgfab.nets.registry import find_generator, generate, kinds
 from fabrication.cli import app
 
 

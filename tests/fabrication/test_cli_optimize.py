@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh, write_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
-from ddgfab.nets.grid import grid_mesh
 from fabrication import design
 from fabrication.cli import app
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import ProjectError
-from ddgfab.nets.registry import find_generator, kinds
+from ddgfab.forms.registry import find_generator, kinds
 from fabrication.gridshell.design import load_net
 from fabrication.gridshell.load import load_project, make_project, project_for_mesh
 from fabrication.gridshell.project import Project

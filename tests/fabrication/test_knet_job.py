@@ -12,10 +12,10 @@ import pytest
 from detailing_cases import Case, dome, grid, hexagons, placed, vertical
 
 from ddgfab.errors import DetailError, SupportError
+from ddgfab.forms.registry import generate
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets import crab_net
-from ddgfab.nets.registry import generate
+from ddgfab.nets.knet import crab_net
 from ddgfab.support import support_structure
 from ddgfab.support.asymptotic import surface_normals
 from fabrication import design, make

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from ddgfab.circles import Circles
 from ddgfab.errors import ProjectError
 from ddgfab.io import read_mesh, write_obj
 from ddgfab.mesh import Floats
-from ddgfab.nets import Circles, SIsothermic
-from ddgfab.nets.koebe_solids import cube_cells
+from ddgfab.nets import SIsothermic
+from ddgfab.nets.koebe.solids import cube_cells
 from ddgfab.offsets import classify_offset
 from fabrication import design
 from fabrication.cli import app

@@ -10,7 +10,7 @@ import pytest
 
 from ddgfab.errors import DetailError
 from ddgfab.linkages import Mechanism, bennett, cube, knet_mechanism
-from ddgfab.nets import amsler
+from ddgfab.nets.knet import amsler
 from fabrication.linkage.choose import rank_levels
 from fabrication.linkage.levels import (
     bar_coloring,

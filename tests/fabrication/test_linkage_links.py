@@ -14,7 +14,7 @@ from test_linkage_levels import box, loop, net
 
 from ddgfab.errors import DetailError, InputError, ProjectError
 from ddgfab.linkages import Mechanism, knet_mechanism
-from ddgfab.nets import amsler
+from ddgfab.nets.knet import amsler
 from fabrication.checks.mesh import to_manifold
 from fabrication.families import families
 from fabrication.formats.step import Header, Material

@@ -7,7 +7,7 @@ import pytest
 
 from ddgfab.errors import KernelError
 from ddgfab.linkages import crab_mechanism
-from ddgfab.nets.knet_crab import crab_net
+from ddgfab.nets.knet.crab import crab_net
 from fabrication.linkage.bodies import bodies
 from fabrication.linkage.detail import detail_linkage
 from fabrication.linkage.kit import Kit, kit

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from ddgfab.circles import Circles, Spheres
 from ddgfab.errors import KernelError
 from ddgfab.io import atomic_path
-from ddgfab.nets.circles import Circles, Spheres
 
 
 def write_step_circles(path: str | Path, curves: Mapping[str, Circles | Spheres]) -> None:
