@@ -187,7 +187,7 @@ class Boundary:
         """Raise `DegenerateError` where this is not the boundary of one solid.
 
         Every loop closes, every edge is used once each way, every arc ends at its vertices, every
-        edge lies on the surfaces of both its faces, and the faces hang together.
+        edge lies on the surfaces of both its faces, and the faces are connected.
         """
         start, end = np.where((self.coedges < 0)[:, None], self.edges[self.coedge_edge][:, ::-1],
                               self.edges[self.coedge_edge]).T  # fmt: skip
@@ -228,7 +228,7 @@ class Boundary:
             seen |= fresh
             stack.extend(fresh)
         if len(seen) < self.n_faces:
-            raise DegenerateError(f"only {len(seen)} of {self.n_faces} faces hang together")
+            raise DegenerateError(f"only {len(seen)} of {self.n_faces} faces are connected")
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ class Variants:
 
     @classmethod
     def equal(cls, count: int) -> Variants:
-        """The variants of so many shapes that are equal as they are: their key says it all."""
+        """Variants of so many equal shapes: their key holds all dimensions."""
         motions = np.broadcast_to(np.eye(4), (count, 1, 4, 4))
         return cls(np.zeros((count, 1, 1, 1)), motions)
 

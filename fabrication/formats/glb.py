@@ -56,12 +56,11 @@ def glb_bytes(
                     "matrix": _matrix(instance.placement),
                 }
             )
-    looks: dict[str, tuple[Color, Finish]] = {k.role: (k.color, k.finish) for k in kinds}
-    role_of = {family.number: family.role for family in families}
+    looks = [(kind.role, kind.color, kind.finish) for kind in kinds]
+    look_of = {family.number: kinds.index(family.kind) for family in families}
     index = {family.number: i for i, family in enumerate(families)}
     if any(red for _, red in prints):
-        looks[FAILED] = (FAILED_COLOR, "plastic")
-    materials = list(looks)
+        looks.append((FAILED, FAILED_COLOR, "plastic"))
     positions = [_converted(meshes[f.number].vertices).astype("<f4") for f in families]
     triangles = [meshes[f.number].triangles.astype("<u4") for f in families]
     lengths = [sum(p.nbytes for p in positions), sum(t.nbytes for t in triangles)]
@@ -74,7 +73,7 @@ def glb_bytes(
             *({"name": kind.title, "children": group} for kind, group in groups.items()),
             *nodes,
         ],
-        "materials": [_material(name, *look) for name, look in looks.items()],
+        "materials": [_material(*look) for look in looks],
         "meshes": [
             {
                 "name": number,
@@ -82,7 +81,7 @@ def glb_bytes(
                     {
                         "attributes": {"POSITION": 2 * index[number]},
                         "indices": 2 * index[number] + 1,
-                        "material": materials.index(FAILED if red else role_of[number]),
+                        "material": len(kinds) if red else look_of[number],
                     }
                 ],
             }

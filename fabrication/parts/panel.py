@@ -17,7 +17,7 @@ from fabrication.solids.builder import (
     add,
     cross,
     dot,
-    normalised,
+    normalized,
     principal_axes,
     scale,
 )
@@ -154,7 +154,7 @@ def _sides(shape: PanelShape, low: list[Vec], high: list[Vec]) -> list[Vec]:
         along = add(q, p, -1.0)
         if dot(along, along) == 0.0:
             raise DetailError(f"side {k} of the panel has no length: two corners coincide")
-        normal = normalised(cross(along, up))
+        normal = normalized(cross(along, up))
         off = abs(dot(add(high[(k + 1) % len(low)], p, -1.0), normal))
         if off > SIDE_PLANE:
             raise DetailError(
@@ -168,7 +168,7 @@ def _sides(shape: PanelShape, low: list[Vec], high: list[Vec]) -> list[Vec]:
 def _corner(shape: PanelShape, p: Vec, q: Vec, before: Vec, after: Vec) -> Corner | None:
     """The rounding of the corner line p q between side planes; None where it stays sharp."""
     r = shape.corner_radius
-    axis = normalised(add(q, p, -1.0))
+    axis = normalized(add(q, p, -1.0))
     sine, cosine = dot(cross(before, after), axis), dot(before, after)
     turn = math.atan2(abs(sine), cosine)
     if r * turn < SHARP:
@@ -191,7 +191,7 @@ def _corner(shape: PanelShape, p: Vec, q: Vec, before: Vec, after: Vec) -> Corne
         axis,
         r,
         sign,
-        scale(normalised(bisector), sign),
+        scale(normalized(bisector), sign),
         (low, high),
         ((add(low, a), add(low, to_after)), (add(high, a), add(high, to_after))),
         a,

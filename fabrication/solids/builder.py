@@ -40,7 +40,7 @@ def cross(p: Vec, q: Vec) -> Vec:
     )
 
 
-def normalised(p: Vec) -> Vec:
+def normalized(p: Vec) -> Vec:
     """P divided by its length."""
     return scale(p, 1.0 / math.sqrt(dot(p, p)))
 
@@ -110,7 +110,7 @@ class BoundaryBuilder:
         other = (float(small == 0), float(small == 1), float(small == 2))
         loops = list(loops)
         origin = self._points[self._start(loops[0][0])]
-        self._face((False, origin, normal, normalised(cross(other, normal)), 0.0, 1.0), loops)
+        self._face((False, origin, normal, normalized(cross(other, normal)), 0.0, 1.0), loops)
 
     def cylinder(
         self,
@@ -139,7 +139,7 @@ class BoundaryBuilder:
         Returns the loops that the faces at the near and the far end get as holes; the far loop is
         the outer loop of the bottom when the hole is blind. xdir is perpendicular to the axis.
         """
-        axis = normalised(add(far, near, -1.0))
+        axis = normalized(add(far, near, -1.0))
         side = cross(axis, xdir)
         a, b = scale(xdir, radius), scale(side, radius)
         rims = []
@@ -164,7 +164,7 @@ class BoundaryBuilder:
     def blind_hole(self, mouth: Vec, bottom: Vec, xdir: Vec, radius: float) -> Coedges:
         """A round hole with a flat bottom; returns the loop that the face at its mouth gets."""
         near, far = self.round_hole(mouth, bottom, xdir, radius)
-        self.plane(normalised(add(mouth, bottom, -1.0)), [far])
+        self.plane(normalized(add(mouth, bottom, -1.0)), [far])
         return near
 
     def build(self) -> Boundary:

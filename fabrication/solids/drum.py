@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from fabrication.boundary import Vec
-from fabrication.solids.builder import BoundaryBuilder, Coedges, add, cross, normalised, scale
+from fabrication.solids.builder import BoundaryBuilder, Coedges, add, cross, normalized, scale
 
 
 def drum(
@@ -22,7 +22,7 @@ def drum(
     xdir is perpendicular to the axis from `low` to `high`. Returns the circles as outer loops of
     the end faces, whose normals point away from the cylinder.
     """
-    axis = normalised(add(high, low, -1.0))
+    axis = normalized(add(high, low, -1.0))
     side = cross(axis, xdir)
     a, b = scale(xdir, radius), scale(side, radius)
     rims = []

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gridshell_kinds import KINDS
-from solids_table import BEAMS, CUT, EXACT, NODES, PANELS
+from parts_table import BEAMS, CUT, EXACT, NODES, PANELS
 from xcaf_route import write_by_xcaf
 
 from ddgfab.errors import DegenerateError, KernelError

@@ -238,6 +238,20 @@ def test_glb_stl_and_3mf() -> None:
     assert threemf_bytes([Body3MF("GP-001", mesh, GUSSET.color)], title="GP-001")[:2] == b"PK"
 
 
+def test_two_kinds_of_one_role_keep_their_colors() -> None:
+    """Nodes that are gussets beside those that the package knows: role and material are shared."""
+    kind = replace(GUSSET, role="node")
+    found = families([Gusset("G-0000", 0, PLAIN, at(0.0), kind), *pieces()[-1:]])
+    meshes = {family.number: mesh_of(family.shape) for family in found}
+    data = glb_bytes(found, meshes)
+    scene = json.loads(data[20 : 20 + struct.unpack_from("<I", data, 12)[0]])
+    assert [material["name"] for material in scene["materials"]] == ["node", "node"]
+    used = [mesh["primitives"][0]["material"] for mesh in scene["meshes"]]
+    colors = [m["pbrMetallicRoughness"]["baseColorFactor"][:3] for m in scene["materials"]]
+    assert used == [0, 1]
+    assert colors[0] != colors[1]
+
+
 @pytest.mark.slow
 def test_a_cut_is_made_by_the_kernel() -> None:
     """The same plate with a hole through its long side: nothing but its blank and a cylinder."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from solids_table import BEAMS, CUT, EXACT, NODES
+from parts_table import BEAMS, CUT, EXACT, NODES
 
 from ddgfab.errors import DegenerateError
 from fabrication.boundary import Boundary
@@ -196,5 +196,5 @@ def test_refuses_two_solids() -> None:
             [one.coedges, np.where(one.coedges < 0, one.coedges - 12, one.coedges + 12)]
         ),
     )
-    with pytest.raises(DegenerateError, match="6 of 12 faces hang together"):
+    with pytest.raises(DegenerateError, match="6 of 12 faces are connected"):
         both.validate()

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from solids_table import BEAMS, CUT, EXACT
+from parts_table import BEAMS, CUT, EXACT
 
 from ddgfab.errors import KernelError
 from fabrication.solids import (
@@ -118,7 +118,7 @@ def test_another_build_says_how_to_repair(monkeypatch: pytest.MonkeyPatch) -> No
 def test_volumes_and_meshes_leave_the_kernel_alone() -> None:
     program = (
         "import sys; sys.path[:0] = ['.', 'tests/fabrication']\n"
-        "from solids_table import EXACT, CUT\n"
+        "from parts_table import EXACT, CUT\n"
         "from fabrication.solids import mesh_of, volume_of, properties_of, genus_of\n"
         "for shape, genus in EXACT.values():\n"
         "    mesh_of(shape); properties_of(shape)\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solids_table import EXACT
+from parts_table import EXACT
 
 from fabrication.solids import boundary_of, mesh_of, properties_of
 from fabrication.specs import Properties, Shape, TriangleMesh

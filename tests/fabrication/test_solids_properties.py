@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from parts_table import BEAMS, CUT, EXACT, FLAT, NODES, PANELS, beam
 from scipy.spatial.transform import Rotation
-from solids_table import BEAMS, CUT, EXACT, FLAT, NODES, PANELS, beam
 
 from fabrication.parts.beam import BeamShape, EndCut
 from fabrication.parts.node import NodeShape

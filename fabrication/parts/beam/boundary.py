@@ -42,7 +42,7 @@ def ends_of(shape: BeamShape) -> tuple[End, End]:
 
 
 def beam_is_exact(shape: BeamShape) -> bool:
-    """Whether planes, cylinders, lines, circles and ellipses say it: no coped rounded corner."""
+    """Whether its boundary is exact: no coped end on a profile with round corners."""
     coped = shape.start.radius is not None or shape.end.radius is not None
     return not (coped and any(loop.bulges.any() for loop in shape.profile.loops))
 

@@ -11,7 +11,7 @@ import numpy as np
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
 from fabrication.boundary import Vec
-from fabrication.solids.builder import add, cross, dot, normalised, scale
+from fabrication.solids.builder import add, cross, dot, normalized, scale
 from fabrication.solids.text import Label, label_size
 
 if TYPE_CHECKING:
@@ -73,16 +73,16 @@ def eyes_of(shape: LinkShape) -> tuple[Eye, Eye]:
         towards = add(middles[1 - k], middles[k], -1.0)
         level = add(towards, axes[k], -dot(towards, axes[k]))
         radius, half = shape.eye_diameter / 2.0, shape.eye_height / 2.0
-        eyes.append(Eye(middles[k], axes[k], normalised(level), radius, half, name))
+        eyes.append(Eye(middles[k], axes[k], normalized(level), radius, half, name))
     return eyes[0], eyes[1]
 
 
 def bar_frame(shape: LinkShape, eyes: tuple[Eye, Eye], roll: float = 0.0) -> Frame:
     """Frame of the bar; its height stands along the mean of the axes, turned by `roll`."""
     origin = eyes[0].exit
-    along = normalised(add(eyes[1].exit, origin, -1.0))
+    along = normalized(add(eyes[1].exit, origin, -1.0))
     mean: Vec = (0.0, -math.sin(shape.twist / 2.0), math.cos(shape.twist / 2.0))
-    up = normalised(add(mean, along, -dot(mean, along)))
+    up = normalized(add(mean, along, -dot(mean, along)))
     across = cross(up, along)
     c, s = math.cos(roll), math.sin(roll)
     return Frame(origin, along, add(scale(across, c), up, s), add(scale(up, c), across, -s))

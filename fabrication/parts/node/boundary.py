@@ -53,7 +53,7 @@ class Drill:
 
     @property
     def exact(self) -> bool:
-        """Whether lines, circles and ellipses say it: blind and on a seat."""
+        """Whether lines, circles and ellipses describe it: blind and on a seat."""
         return self.seat is not None and self.bottom is not None
 
 
@@ -292,7 +292,7 @@ def node_cut(shape: NodeShape) -> Cut:
 
 
 def node_boundary(shape: NodeShape, *, blank: bool = False) -> Boundary:
-    """Exact boundary of a node; `blank` leaves out the holes that cannot be said exactly.
+    """Exact boundary of a node; `blank` leaves out the holes that have no exact boundary.
 
     Raises
     ------

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from solids_table import FLAT, FREE, HOLES, RHS, T_BAR, beam
+from parts_table import FLAT, FREE, HOLES, RHS, T_BAR, beam
 
 from ddgfab.errors import DetailError
 from fabrication.formats.step import Header, Material

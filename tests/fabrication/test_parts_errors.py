@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from solids_table import FLAT, FREE, QUAD, RHS, T_BAR, TUBE, beam, node, panel
+from parts_table import FLAT, FREE, QUAD, RHS, T_BAR, TUBE, beam, node, panel
 
 from ddgfab.errors import DetailError
 from fabrication.parts.beam import CrossHole, EndCut

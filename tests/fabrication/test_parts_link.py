@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from solids_table import LINKS, link
+from parts_table import LINKS, link
 
 from ddgfab.errors import DetailError
 from fabrication.checks.mesh import check_mesh, to_manifold
