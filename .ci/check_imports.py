@@ -31,6 +31,7 @@ ROOMS = [
     "variants",
     "specs",
     "version",
+    "progress",
     "standards",
     "solids",
     "parts",
@@ -50,6 +51,9 @@ ROOMS = [
     "kits",
     "cli",
 ]
+
+# Products share rooms, and know nothing of each other.
+PRODUCTS = {"gridshell", "linkage"}
 
 
 def imports(tree: ast.AST) -> Iterator[tuple[int, str]]:
@@ -89,6 +93,8 @@ def offences(path: Path) -> Iterator[str]:
             known = room in ROOMS and target in ROOMS
             if known and ROOMS.index(target) > ROOMS.index(room):
                 yield f"{where}:{line}: room {room} imports the later room {target}"
+            if room != target and {room, target} <= PRODUCTS:
+                yield f"{where}:{line}: product {room} imports product {target}"
     for line, name in module_level(tree):
         if name.split(".")[0] in INSIDE_FUNCTIONS_ONLY:
             yield f"{where}:{line}: {name} imported at module level"

@@ -15,8 +15,8 @@ from ddgfab.errors import OutputError
 from ddgfab.optimize.report import comparison
 from fabrication.checks.assembly import check_assembly
 from fabrication.formats.tables import write_xlsx
-from fabrication.gridshell.design import Design, Progress
-from fabrication.gridshell.schedules import mass_kg, schedules
+from fabrication.gridshell.design import Design
+from fabrication.gridshell.schedules import schedules
 from fabrication.job.folder import OutputFolder, safe_name
 from fabrication.job.manifest import (
     MANIFEST,
@@ -36,8 +36,10 @@ from fabrication.job.part import (
 from fabrication.job.pool import Workers, worker_pool
 from fabrication.job.problems import problems_of
 from fabrication.pictures.deviation import write_deviation
+from fabrication.progress import Progress
 from fabrication.records import CHORD_MM, clearances, part_records, part_settings
 from fabrication.specs import Check, Family
+from fabrication.standards import mass_kg
 
 REJECTED: Final = "rejected"
 """Folder, inside the output folder, of the parts that failed a check or a limit."""

@@ -11,10 +11,10 @@ import numpy as np
 from fabrication.formats.step import Header, Material
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.detailing.clearance import PANEL_CLEARANCE
-from fabrication.gridshell.schedules import mass_kg
 from fabrication.job.manifest import part_record
 from fabrication.job.part import PartResult, PartSettings
 from fabrication.specs import Check, Role
+from fabrication.standards import mass_kg
 
 CHORD_MM: Final = 0.05
 """Greatest distance [mm] of the meshes (STL, GLB, clearances) from the exact surfaces."""

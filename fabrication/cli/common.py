@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from fabrication.gridshell.design import Progress
+    from fabrication.progress import Progress
 
 app = typer.Typer(
     help="Discrete surfaces into things that can be built: torsion-free gridshells as checked "
@@ -27,13 +27,13 @@ DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
 
-def words(text: str) -> list[str]:
-    """Words between commas, in lower case."""
-    return [word.strip().lower() for word in text.split(",") if word.strip()]
+def comma_list(text: str) -> list[str]:
+    """Items between commas, in lower case."""
+    return [item.strip().lower() for item in text.split(",") if item.strip()]
 
 
 def sections_of(changes: list[str]) -> dict[str, dict[str, Any]]:
-    """`section.key=value` as sections; the value is TOML, or a plain word."""
+    """`section.key=value` as sections; the value is TOML, or text without quotes."""
     from ddgfab.errors import ProjectError
 
     sections: dict[str, dict[str, Any]] = {}
@@ -47,7 +47,7 @@ def sections_of(changes: list[str]) -> dict[str, dict[str, Any]]:
 
 
 def toml_value(text: str) -> Any:
-    """A TOML value, or a plain word."""
+    """A TOML value, or text without quotes."""
     import tomllib
 
     try:
@@ -95,11 +95,11 @@ def errors(debug: bool) -> Iterator[None]:
 def progress() -> Iterator[Progress]:
     """A bar a step on a terminal; a line a step elsewhere."""
     if not sys.stderr.isatty():
-        said: set[str] = set()
+        begun: set[str] = set()
 
         def line(step: str, done: int, of: int) -> None:
-            if step not in said:
-                said.add(step)
+            if step not in begun:
+                begun.add(step)
                 typer.echo(f"{step} ...", err=True)
 
         yield line

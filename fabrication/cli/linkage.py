@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fabrication.cli.common import Debug, app, errors, progress, sections_of, words
+from fabrication.cli.common import Debug, app, comma_list, errors, progress, sections_of
 
 if TYPE_CHECKING:
     from fabrication.linkage.kit import Kit
@@ -37,7 +37,8 @@ def linkage_command(
     pin: Annotated[str | None, typer.Option(help="metal or printed.")] = None,
     bed: Annotated[str | None, typer.Option(help="Bed of the printer in mm, as 220x220.")] = None,
     maximize_range: Annotated[
-        bool, typer.Option("--maximize-range", help="Try what widens the free range.")
+        bool,
+        typer.Option("--maximize-range", help="Try other levels, slimmer bars."),
     ] = False,
     labels: Annotated[bool, typer.Option(help="Part numbers on the links.")] = True,
     jobs: Annotated[int | None, typer.Option(min=0, help="Processes; 0: one a core.")] = None,
@@ -53,7 +54,7 @@ def linkage_command(
     debug: Debug = False,
 ) -> None:
     """A Bennett linkage, a 12-bar cube or a whole K-net as a kit that prints and moves."""
-    with errors(debug), progress() as tell:
+    with errors(debug), progress() as report:
         from fabrication.job.pool import worker_pool
         from fabrication.kits.job import make_kit
         from fabrication.linkage.kit import detail_kit, find_kit_project
@@ -64,11 +65,13 @@ def linkage_command(
         _set(sections, "printer", preset=printer, bed_mm=None if bed is None else _size(bed))
         _set(sections, "parts", pin=pin, label=None if labels else "none")
         _set(sections, "motion", maximize_range=maximize_range or None)
-        _set(sections, "output", jobs=jobs, formats=None if formats is None else words(formats))
+        _set(
+            sections, "output", jobs=jobs, formats=None if formats is None else comma_list(formats)
+        )
         project = find_kit_project(source, sections)
         with worker_pool(project.output.jobs) as pool:  # loads the kernel while this one designs
-            made = detail_kit(project, tell)
-            result = make_kit(made, output, pool=pool, progress=tell)
+            made = detail_kit(project, report)
+            result = make_kit(made, output, pool=pool, progress=report)
         seconds = time.perf_counter() - begin
     _report(made, result, seconds)
     raise typer.Exit(result.exit_code)
@@ -92,10 +95,10 @@ def _size(text: str) -> tuple[float, float]:
 
 
 def _report(kit: Kit, result: JobResult, seconds: float) -> None:
-    """The closing words of a job."""
+    """Print the summary of a job."""
     manifest = result.manifest
     typer.echo(f"{kit.name}: {kit.summary()}")
-    for name, value in kit.motion_words():
+    for name, value in kit.motion_facts():
         typer.echo(f"{name}: {value}")
     numbers = len(kit.families)
     checks = manifest["checks"]

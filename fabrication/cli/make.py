@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fabrication.cli.common import Debug, app, errors, progress, sections_of, words
+from fabrication.cli.common import Debug, app, comma_list, errors, progress, sections_of
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Ints
@@ -39,7 +39,7 @@ def make_command(
     debug: Debug = False,
 ) -> None:
     """From a mesh or project to checked CAD files and schedules."""
-    with errors(debug), progress() as tell:
+    with errors(debug), progress() as report:
         from fabrication.gridshell.design import design_net, find_project, load_net
         from fabrication.job.pool import worker_pool
         from fabrication.pipeline import make
@@ -48,7 +48,7 @@ def make_command(
         sections = sections_of(change or [])
         given = {
             "jobs": jobs,
-            "formats": None if formats is None else words(formats),
+            "formats": None if formats is None else comma_list(formats),
         }
         output_section = {key: value for key, value in given.items() if value is not None}
         if output_section:
@@ -57,8 +57,8 @@ def make_command(
             sections["checks"] = {**sections.get("checks", {}), "verify": verify}
         project = find_project(source, sections)
         with worker_pool(project.output.jobs) as pool:  # loads the kernel while this one designs
-            plan = design_net(project, load_net(project), tell)
-            result = make(plan, output, pool=pool, progress=tell)
+            plan = design_net(project, load_net(project), report)
+            result = make(plan, output, pool=pool, progress=report)
         seconds = time.perf_counter() - begin
     _report(plan, result, seconds)
     raise typer.Exit(result.exit_code)
@@ -69,7 +69,7 @@ def _named(letter: str, ids: Ints) -> str:
 
 
 def _report(plan: Design, result: JobResult, seconds: float) -> None:
-    """The closing words of a job."""
+    """Print the summary of a job."""
     manifest = result.manifest
     numbers = len({part["number"] for part in manifest["parts"]})
     checks = manifest["checks"]

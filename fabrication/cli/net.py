@@ -55,20 +55,20 @@ def net_command(
                 raise InputError(f"--set {text}: expected parameter=value")
             parameters[name.strip()] = toml_value(value)
         mesh = generate(kind, parameters)
-        said = find_generator(kind).summary
+        summary = find_generator(kind).summary
         if offset is not None:
             from ddgfab.offsets import exact_offset
 
             mesh, report = exact_offset(mesh, offset)
-            said = str(report)
+            summary = str(report)
         counts = "" if circles is None else _write_circles(circles, mesh)
         target = output or Path(f"{kind}.obj")
         write_mesh(target, mesh)
-    typer.echo(f"{said}\n{mesh!r}\nwritten to {target} [mm]{counts}")
+    typer.echo(f"{summary}\n{mesh!r}\nwritten to {target} [mm]{counts}")
 
 
 def _write_circles(path: Path, mesh: Mesh) -> str:
-    """Write the circles and spheres of an s-isothermic net; say how many."""
+    """Write the circles and spheres of an s-isothermic net; returns how many, as text."""
     from ddgfab.io.circles import write_circles
     from ddgfab.nets.sisothermic import SIsothermic
 

@@ -41,11 +41,11 @@ def optimize_command(
 
     Writes the mesh, a report (TARGET.json: every measure before and after, movement, history, node
     axes where they were found) and a picture of the movement. Where the goal is missed, the best
-    mesh reached is kept apart as TARGET.missed.obj, nothing else is written; the exit code is 1.
+    mesh reached is written to TARGET.missed.obj and nothing else; the exit code is 1.
     """
     from ddgfab.errors import OptimizeError
 
-    with errors(debug), progress() as tell:
+    with errors(debug), progress() as report:
         from ddgfab.io import check_target, read_mesh, write_mesh
         from ddgfab.io.atomic import atomic_path
         from ddgfab.optimize import TorsionFreeResult
@@ -56,11 +56,11 @@ def optimize_command(
         settings = _settings(goal, boundary, fix, features, max_movement, change or [])
         read = read_mesh(source, scale)
         try:
-            result = optimize_mesh(read.mesh, settings, tell)
+            result = optimize_mesh(read.mesh, settings, report)
         except OptimizeError as error:
             if debug or error.result is None:
                 raise
-            _keep_apart(error, target)
+            _write_missed(error, target)
             raise typer.Exit(FAILED) from None
         record = {"file": read.file, "sha256": read.sha256, **comparison(result)}
         if isinstance(result, TorsionFreeResult):
@@ -92,11 +92,11 @@ def _settings(
 
     given: dict[str, Any] = {"goal": goal, "boundary": boundary}
     if fix:
-        words = [word.strip() for word in fix.split(",")]
-        bad = [word for word in words if not word.isdecimal()]
+        ids = [item.strip() for item in fix.split(",")]
+        bad = [item for item in ids if not item.isdecimal()]
         if bad:
             raise InputError(f"--fix {fix}: {bad[0]!r} is no vertex; vertex ids: 0,17,230")
-        given["fix"] = [int(word) for word in words]
+        given["fix"] = [int(item) for item in ids]
     if features is not None:
         given["feature_angle_deg"] = float(features)
     if max_movement is not None:
@@ -109,8 +109,8 @@ def _settings(
     return make_project({"optimize": given}).optimize
 
 
-def _keep_apart(error: Any, target: Path) -> None:
-    """Say what failed, and write the best mesh reached beside the target."""
+def _write_missed(error: Any, target: Path) -> None:
+    """Print what failed, and write the best mesh reached beside the target."""
     from ddgfab.io import write_mesh
 
     best = target.with_name(f"{target.stem}.missed.obj")

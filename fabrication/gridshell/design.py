@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -26,11 +26,9 @@ from fabrication.gridshell.detailing import Gridshell, detail
 from fabrication.gridshell.load import load_project, project_for_mesh
 from fabrication.gridshell.project import MESH, OptimizeSettings, Project
 from fabrication.gridshell.schedules import schedules
+from fabrication.progress import Progress, silent
 from fabrication.specs import Family
 from fabrication.table import Table
-
-Progress: TypeAlias = Callable[[str, int, int], None]
-"""Called with the step's name, how much of it is done, and how much there is (0: unknown)."""
 
 Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] | None"
 """A project file, a mesh file, a mesh, (vertices, faces), or None for the built-in example."""
@@ -64,8 +62,8 @@ class NetInput:
 class Design:
     """A gridshell as numbers: net, measures, support structure, specs, families, schedules.
 
-    `optimized` says what [optimize] did to the net, whose result is `source.mesh`; None without.
-    Made by `design`. Loads no CAD kernel until solids are asked for.
+    `optimized` is the result of [optimize], whose mesh is `source.mesh`; None without a goal.
+    Made by `design`. Loads no CAD kernel until solids are requested.
     """
 
     project: Project
@@ -145,7 +143,7 @@ def design(
     Raises
     ------
     DdgError
-        Whatever is wrong with the project, the mesh, the structure or a part, in words.
+        The project, the mesh, the structure or a part is invalid; names the value and its limit.
     """
     if isinstance(source, tuple):
         source = Mesh.build(*source)
@@ -170,13 +168,13 @@ def find_project(source: str | Path | None, sections: Mapping[str, Mapping[str, 
 
 def design_net(project: Project, net: NetInput, progress: Progress | None = None) -> Design:
     """The design of a validated project on a net that `load_net` read."""
-    tell = progress or (lambda step, done, of: None)
+    report = progress or silent
     seconds: dict[str, float] = {}
     begin = time.perf_counter()
 
     def start(step: str) -> None:
         nonlocal begin
-        tell(step, 0, 0)
+        report(step, 0, 0)
         begin = time.perf_counter()
 
     def stop(step: str) -> None:
@@ -185,7 +183,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     optimized = None
     if project.optimize.goal != "none":
         start("optimize")
-        optimized = optimize_mesh(net.mesh, project.optimize, tell)
+        optimized = optimize_mesh(net.mesh, project.optimize, report)
         net = replace(net, mesh=optimized.mesh, notes=(*net.notes, *optimized.remarks))
         stop("optimize")
     start("measure")
@@ -209,7 +207,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
 def optimize_mesh(
     mesh: Mesh, settings: OptimizeSettings, progress: Progress | None = None
 ) -> OptimizeResult:
-    """The mesh [mm] made what the settings ask for, with its report.
+    """The mesh [mm] optimized for the goal of the settings, with its report.
 
     Raises
     ------
@@ -218,23 +216,23 @@ def optimize_mesh(
     InputError
         A vertex to be fixed that the mesh does not have.
     """
-    tell = progress or (lambda step, done, of: None)
-    held = settings.fix if isinstance(settings.fix, tuple) else ()
+    report = progress or silent
+    fixed = settings.fix if isinstance(settings.fix, tuple) else ()
     angle = settings.feature_angle_deg
     return optimize(
         mesh,
         cast(Goal, settings.goal),
-        fixed=held,
+        fixed=fixed,
         boundary="fixed" if settings.fix == "boundary" else settings.boundary,
         feature_angle=None if angle is None else math.radians(angle),
         max_movement=settings.max_movement_mm,
         **_own_options(settings),
-        progress=lambda stage, number, step: tell(f"optimize: {stage}", number, 0),
+        progress=lambda stage, number, step: report(f"optimize: {stage}", number, 0),
     )
 
 
 def _own_options(settings: OptimizeSettings) -> dict[str, Any]:
-    """What only one goal takes."""
+    """Arguments of `optimize` that only one goal has."""
     if settings.goal == "torsion-free":
         lean = settings.max_lean_deg
         return {
@@ -295,11 +293,11 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
 
 
 def _notes(project: Project) -> tuple[str, ...]:
-    """What should be known of a generated net."""
+    """Remarks on a generated net, for report and manifest."""
     if support_kind(project) != "normals" or "kind" in project.support.model_fields_set:
         return ()
     return (
         f'[net] kind = "{project.net.kind}" follows asymptotic lines: no upright axes are free of '
         "torsion, so node axes are the surface normals and every beam twists between its ends "
-        "([checks] torsion_deg says how far it may)",
+        "([checks] torsion_deg is the limit)",
     )

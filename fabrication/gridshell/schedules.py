@@ -24,12 +24,11 @@ from fabrication.parts.beam import BEAM
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL, PanelShape
 from fabrication.specs import Family, Instance, Kind
+from fabrication.standards import mass_kg
 from fabrication.table import Table
 
 Row: TypeAlias = dict[str, Any]
 Masses: TypeAlias = Mapping[str, float]
-
-KG_PER_MM3: Final = 1e-9  # times a density in kg/m3
 
 FULL_TURN: Final = 1e-9
 """An azimuth this near [rad] below a full turn is 0."""
@@ -74,11 +73,6 @@ def family_masses(families: Sequence[Family], project: Project) -> dict[str, flo
     return {
         family.number: mass_kg(volume_of(family.shape), density[family.role]) for family in families
     }
-
-
-def mass_kg(volume: float, density: float) -> float:
-    """Mass [kg] of a volume [mm3] of a density [kg/m3]."""
-    return volume * density * KG_PER_MM3
 
 
 def panel_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) -> list[Row]:

@@ -17,8 +17,6 @@ from fabrication.formats.glb import write_glb
 from fabrication.formats.step import Header, Material
 from fabrication.formats.step.read import check_threemf
 from fabrication.formats.tables import write_xlsx
-from fabrication.gridshell.design import Progress
-from fabrication.gridshell.schedules import mass_kg
 from fabrication.job.folder import safe_name
 from fabrication.job.manifest import (
     MANIFEST,
@@ -47,7 +45,9 @@ from fabrication.linkage.schedules import kit_schedules
 from fabrication.motion.free_range import poses_to_confirm
 from fabrication.parts.pin import PIN
 from fabrication.pipeline import JobResult, staged
+from fabrication.progress import Progress
 from fabrication.specs import Check, Role, TriangleMesh
+from fabrication.standards import mass_kg
 from fabrication.table import Table
 
 BATCH: Final = 8

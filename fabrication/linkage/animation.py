@@ -41,7 +41,7 @@ def write_animation(path: Path, scene: MovingScene, *, size: tuple[int, int] = S
     Raises
     ------
     OutputError
-        The file cannot be written, or this machine cannot render; says what to install.
+        The file cannot be written, or this machine cannot render; names the packages to install.
     """
     data = animation_gif(scene, size=size)
     with atomic_path(path) as temporary:

@@ -1,4 +1,4 @@
-"""How each link goes on its pins, told by the label it bears: which side up, which end where."""
+"""How each link goes on its pins: which side is up and which end where, seen from its label."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def facings(linkage: Linkage) -> dict[str, Facing]:
     """How the links go on their pins, by mark.
 
     One part number may serve bars that are turned over or end for end against each other: the parts
-    are equal, and the side on which their label comes to lie tells them apart. Links without a
-    label are told by the side and end that would bear it.
+    are equal, and are distinguished by the side on which their label lies. For links without a
+    label the side and end that would bear it are given.
     """
     mechanism = linkage.mechanism
     pose = mechanism.pose(mechanism.design)

@@ -102,7 +102,7 @@ class KNetLinkage(Section):
         or "kuen"
     parameters : the surface's own numbers: { corner_deg, turn_0_deg, turn_1_deg }, { angle_deg }
         between the straight lines, { psi_deg } and { sigma_deg, psi_deg } (90 at the rim), { tau,
-        phase_deg }, { shift }; they say also which part of the surface the net is
+        phase_deg }, { shift }; they also choose the part of the surface
     cells, deltas_deg : of a surface: number of cells in both directions, twists of their bars
     longest_mm : length of the longest bars; all are scaled
     anchor : vertex of the driving angle; by default the one in the middle

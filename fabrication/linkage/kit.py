@@ -15,19 +15,18 @@ from numpy.typing import ArrayLike
 from ddgfab.errors import InputError
 from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Floats
-from fabrication.gridshell.design import Progress
-from fabrication.gridshell.schedules import mass_kg
 from fabrication.linkage.links import Linkage
 from fabrication.linkage.plates import Plate, Printed
 from fabrication.linkage.printing import PRINTED_CHORD_MM, laid_out
 from fabrication.linkage.project import KitProject, kit_kinds, load_kit_project, make_kit_project
 from fabrication.linkage.schedules import kit_schedules
-from fabrication.linkage.widen import Moved, moved, widened
+from fabrication.linkage.widen import MovingLinkage, moved, widened
 from fabrication.motion.free_range import Contact, FreeMotion
 from fabrication.parts.pin import PIN
+from fabrication.progress import Progress, silent
 from fabrication.solids import mesh_of
 from fabrication.specs import Family, Instance, Role
-from fabrication.standards import density
+from fabrication.standards import density, mass_kg
 from fabrication.table import Table
 
 SHOWN: Final = 2
@@ -49,7 +48,7 @@ class Kit:
 
     project: KitProject
     mechanism: Mechanism
-    moved: Moved
+    moved: MovingLinkage
     printed: Sequence[Printed]
     plates: tuple[Plate, ...]
     seconds: Mapping[str, float]
@@ -78,7 +77,7 @@ class Kit:
 
     @property
     def notes(self) -> list[str]:
-        """What a maker has to hear."""
+        """Remarks for who prints and assembles the kit, and what was tried to widen its range."""
         return [*self.linkage.notes, *self.moved.tried]
 
     @property
@@ -110,23 +109,23 @@ class Kit:
             f"{len(mechanism.cells)} isogram{'s' if len(mechanism.cells) > 1 else ''}, {freedom}"
         )
 
-    def motion_words(self) -> list[tuple[str, str]]:
-        """What a reader has to know of the motion: names and values."""
+    def motion_facts(self) -> list[tuple[str, str]]:
+        """The motion as names and values: driving angle, free range, contacts, certificate."""
         mechanism, motion = self.mechanism, self.motion
         low, high, design = np.degrees([motion.low, motion.high, mechanism.design])
-        words = [
+        facts = [
             ("driving angle", mechanism.driver),
             ("free range", f"{low:.2f} to {high:.2f} deg, that is {high - low:.2f} deg"),
             ("design pose", f"{design:.2f} deg"),
         ]
         for end, contacts in (("ends below", motion.below), ("ends above", motion.above)):
-            words += [(end, touch_words(contact)) for contact in contacts[:SHOWN]]
+            facts += [(end, contact_text(contact)) for contact in contacts[:SHOWN]]
             if len(contacts) > SHOWN:
-                words.append((end, f"and {len(contacts) - SHOWN} more pairs"))
-        words += [("tightest within", touch_words(contact)) for contact in motion.tightest[:1]]
-        words += [("certificate", motion.certificate), ("path", mechanism.path)]
-        words += [("folded at", f"{np.degrees(t):.2f} deg: {what}") for t, what in self._dead]
-        return words
+                facts.append((end, f"and {len(contacts) - SHOWN} more pairs"))
+        facts += [("tightest within", contact_text(contact)) for contact in motion.tightest[:1]]
+        facts += [("certificate", motion.certificate), ("path", mechanism.path)]
+        facts += [("folded at", f"{np.degrees(t):.2f} deg: {what}") for t, what in self._dead]
+        return facts
 
     @property
     def _dead(self) -> list[tuple[float, str]]:
@@ -157,8 +156,8 @@ class Kit:
             "free_deg": [degrees(motion.low), degrees(motion.high)],
             "certified": motion.proven,
             "certificate": motion.certificate,
-            "contacts": [touch_record(contact) for contact in motion.contacts],
-            "tightest": [touch_record(contact) for contact in motion.tightest],
+            "contacts": [contact_record(contact) for contact in motion.contacts],
+            "tightest": [contact_record(contact) for contact in motion.tightest],
         }
 
     def angles(self, count: int) -> Floats:
@@ -245,7 +244,7 @@ def kit(
     Raises
     ------
     DdgError
-        Whatever is wrong with project, linkage or parts, in words.
+        The project, the linkage or a part is invalid; names the value and its limit.
 
     Examples
     --------
@@ -283,22 +282,22 @@ def find_kit_project(source: str | Path | None, settings: Mapping[str, Any]) -> 
 
 def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
     """The kit of a validated project."""
-    tell = progress or (lambda step, done, of: None)
+    report = progress or silent
     seconds: dict[str, float] = {}
 
     def lap(step: str, begin: float) -> None:
         seconds[step] = time.perf_counter() - begin
 
-    tell("mechanism", 0, 0)
+    report("mechanism", 0, 0)
     begin = time.perf_counter()
     mechanism = project.mechanism()
     lap("mechanism", begin)
-    tell("parts and free motion", 0, 0)
+    report("parts and free motion", 0, 0)
     begin = time.perf_counter()
     find = widened if project.motion.maximize_range else moved
     found = find(mechanism, project.part_settings())
     lap("parts and free motion", begin)
-    tell("print plates", 0, 0)
+    report("print plates", 0, 0)
     begin = time.perf_counter()
     families = found.linkage.families
     meshes = {f.number: mesh_of(f.shape, PRINTED_CHORD_MM) for f in families}
@@ -307,7 +306,7 @@ def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
     return Kit(project, mechanism, found, printed, filled, seconds)
 
 
-def touch_words(contact: Contact) -> str:
+def contact_text(contact: Contact) -> str:
     """Which parts meet, where and at what angle."""
     where = ", ".join(f"{value:.1f}" for value in contact.point)
     return (
@@ -316,7 +315,7 @@ def touch_words(contact: Contact) -> str:
     )
 
 
-def touch_record(contact: Contact) -> dict[str, Any]:
+def contact_record(contact: Contact) -> dict[str, Any]:
     """The same as plain values."""
     return {
         "parts": list(contact.marks),

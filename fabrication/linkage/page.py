@@ -30,8 +30,8 @@ EXACT: Final = "_exact"
 
 
 @dataclass(frozen=True, eq=False)
-class Moving:
-    """A piece that moves: which body (position), its group, what is said when it is pointed at."""
+class MovingPiece:
+    """A piece that moves: positions of its body and group, and the text shown on hover."""
 
     body: int
     group: int
@@ -47,8 +47,8 @@ class Group:
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
-    """Where something meets in a pose: position among the poses, point (3,) [mm], words."""
+class ContactNote:
+    """A contact in a pose: position among the poses, point (3,) [mm], text."""
 
     pose: int
     at: Floats
@@ -68,12 +68,12 @@ class MovingScene:
 
     bodies: Sequence[TriangleMesh]
     groups: Sequence[Group]
-    pieces: Sequence[Moving]
+    pieces: Sequence[MovingPiece]
     motions: Floats
     driver: str
     values: Floats
     design: int
-    touches: Sequence[Touch] = ()
+    touches: Sequence[ContactNote] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,10 +187,10 @@ def _sections(page: Page) -> str:
         f"<dt>{html.escape(name)}</dt><dd>{html.escape(value)}</dd>" for name, value in page.facts
     )
     parts = [f'<h2>Motion</h2><div class="card"><dl>{facts}</dl></div>']
-    said = [f'<p class="bad">{html.escape(problem)}</p>' for problem in page.problems]
-    said += [f"<p>{html.escape(note)}</p>" for note in page.notes]
-    if said:
-        parts.append(f'<h2>Notes</h2><div class="card">{"".join(said)}</div>')
+    remarks = [f'<p class="bad">{html.escape(problem)}</p>' for problem in page.problems]
+    remarks += [f"<p>{html.escape(note)}</p>" for note in page.notes]
+    if remarks:
+        parts.append(f'<h2>Notes</h2><div class="card">{"".join(remarks)}</div>')
     for heading, table in page.tables.items():
         parts.append(f"<h2>{html.escape(heading)}</h2>{_table(table)}")
     return "\n".join(parts)

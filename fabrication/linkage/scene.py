@@ -1,4 +1,4 @@
-"""What is shown of a kit: the moving scene, the words of its report, its pictures."""
+"""The moving scene of a kit, the text of its report, its pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ddgfab.linkages import Pose
 from ddgfab.mesh import Floats
 from fabrication.linkage.animation import write_animation
 from fabrication.linkage.kit import Kit
-from fabrication.linkage.page import Group, Moving, MovingScene, Page, Touch
+from fabrication.linkage.page import ContactNote, Group, MovingPiece, MovingScene, Page
 from fabrication.motion.free_range import Contact
 from fabrication.parts.link import LINK
 from fabrication.pictures.preview import write_preview
@@ -27,10 +27,10 @@ SEEN_CHORD_MM: Final = 0.2
 """Distance [mm] of meshes that are only looked at from the exact surfaces."""
 
 MOST_PLACEMENTS: Final = 30_000
-"""Placements that the report holds at most: two megabytes."""
+"""Most placements in the report: two megabytes."""
 
 FEWEST_POSES: Final = 13
-"""It holds so many poses nevertheless."""
+"""Fewest poses in the report, however many placements they need."""
 
 LINK_COLORS: Final = (
     (0.16, 0.42, 0.66),
@@ -71,7 +71,7 @@ def moving_scene(kit: Kit) -> MovingScene:
         own = [i.mark for i in family.instances if i.mark in motions]
         groups.append(Group(f"{family.kind.title} {family.number} ({len(own)})", color))
         for mark in own:
-            pieces.append(Moving(body, body, f"{mark}, {family.number}"))
+            pieces.append(MovingPiece(body, body, f"{mark}, {family.number}"))
             placed.append(still @ motions[mark])
     return MovingScene(
         bodies=[mesh_of(shape, SEEN_CHORD_MM) for shape in seen_shapes(kit, families)],
@@ -85,17 +85,17 @@ def moving_scene(kit: Kit) -> MovingScene:
     )
 
 
-def _touch(contact: Contact, angles: Floats, still: Floats) -> Touch:
+def _touch(contact: Contact, angles: Floats, still: Floats) -> ContactNote:
     """A contact where the scene shows it, in the pose that is nearest to it."""
     pose = int(np.abs(angles - contact.t).argmin())
     point = still[pose] @ np.array([*contact.point, 1.0])
-    return Touch(pose, point[:3], f"{contact.marks[0]} meets {contact.marks[1]}")
+    return ContactNote(pose, point[:3], f"{contact.marks[0]} meets {contact.marks[1]}")
 
 
 def shown_angles(kit: Kit) -> tuple[Floats, int]:
     """Driving angles [rad] through the free range with the design's among them, and its place.
 
-    As many as the project asks for, fewer for linkages of very many parts.
+    As many as the project sets, fewer for linkages of very many parts.
     """
     most = MOST_PLACEMENTS // len(kit.linkage.pieces)
     angles = kit.angles(min(kit.project.motion.poses, max(most, FEWEST_POSES)))
@@ -178,7 +178,7 @@ def report_page(kit: Kit, tables: Mapping[str, Table], problems: Sequence[str]) 
     return Page(
         title=kit.name,
         lead=kit.summary(),
-        facts=kit.motion_words(),
+        facts=kit.motion_facts(),
         notes=kit.notes,
         problems=[f"FAILED {problem}" for problem in problems],
         tables={HEADINGS[name]: table for name, table in tables.items()},

@@ -56,7 +56,7 @@ def kit_schedules(linkage: Linkage, masses: Masses) -> dict[str, Table]:
 def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
     """A row a part number: how many, its main dimensions, where it belongs.
 
-    `between` says, for every link of the number, from which hinge to which it goes: its start is
+    `between` lists, for every link of the number, from which hinge to which it goes: its start is
     the first, and the twist is counted about the direction from there.
     """
     links = {link.mark: link for link in linkage.links}
@@ -102,7 +102,7 @@ def exact(value: float) -> str:
 def link_rows(linkage: Linkage) -> list[Row]:
     """A row a link: its hinges, levels, and the angle at its start in the design pose.
 
-    label_side and label_towards say how a link goes on its pins: the side with the label up along
+    label_side and label_towards are how a link goes on its pins: the side with the label up along
     the axes or down, and the pin at the end to which the label reads.
     """
     mechanism, facing = linkage.mechanism, facings(linkage)

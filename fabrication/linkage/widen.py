@@ -1,4 +1,4 @@
-"""What is tried when the free range is to be large: other levels along the hinges, slimmer bars."""
+"""Variants that may widen the free range: other levels along the hinges, slimmer bars."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from fabrication.linkage.settings import LinkageSettings, check_settings
 from fabrication.motion.free_range import FreeMotion, free_motion, maximize_range
 
 SLIM: Final = 0.8
-"""Slimmer bars have this part of the width and height asked for, if the printer's wall allows."""
+"""Width and height of slimmer bars over those of the settings, where the printer's wall allows."""
 
 ENOUGH: Final = 2.0 * np.pi
 """No range is larger than this [rad]: nothing more is tried then."""
 
 
 @dataclass(frozen=True, eq=False)
-class Moved:
+class MovingLinkage:
     """A linkage with its free motion, and what was tried: a line each."""
 
     linkage: Linkage
@@ -35,8 +35,8 @@ class Moved:
     tried: tuple[str, ...] = ()
 
 
-def moved(mechanism: Mechanism, settings: LinkageSettings) -> Moved:
-    """The linkage as asked for, and its free motion.
+def moved(mechanism: Mechanism, settings: LinkageSettings) -> MovingLinkage:
+    """The linkage of the settings, and its free motion.
 
     Raises
     ------
@@ -44,14 +44,14 @@ def moved(mechanism: Mechanism, settings: LinkageSettings) -> Moved:
         Parts that cannot be made or that touch in the design pose; names them.
     """
     linkage = detail_linkage(mechanism, settings)
-    return Moved(linkage, motion_of(linkage))
+    return MovingLinkage(linkage, motion_of(linkage))
 
 
-def widened(mechanism: Mechanism, settings: LinkageSettings) -> Moved:
+def widened(mechanism: Mechanism, settings: LinkageSettings) -> MovingLinkage:
     """The linkage of the greatest free range among some.
 
-    Tried are: as asked for; other levels along the hinges, also further apart and with bars that
-    climb from one to another; slimmer bars; and both.
+    Tried are: the settings as they are; other levels along the hinges, also further apart and with
+    bars that climb from one to another; slimmer bars; and both.
 
     Raises
     ------
@@ -60,11 +60,11 @@ def widened(mechanism: Mechanism, settings: LinkageSettings) -> Moved:
     """
     options: list[tuple[str, Linkage]] = []
     fault: DetailError | None = None
-    for words, own, wide in _options(settings):
+    for name, own, wide in _options(settings):
         try:
             levels = _levels(mechanism, own) if wide else None
             options.append(
-                (words, detail_linkage(mechanism, own, levels, "range" if wide else "parts"))
+                (name, detail_linkage(mechanism, own, levels, "range" if wide else "parts"))
             )
         except DetailError as error:
             fault = fault or error
@@ -72,11 +72,11 @@ def widened(mechanism: Mechanism, settings: LinkageSettings) -> Moved:
         raise fault
     found = maximize_range(options, lambda option: motion_of(option[1]), enough=ENOUGH)
     tried = tuple(
-        f"{words}: free through {np.degrees(motion.range):.2f} deg"
-        + (" (taken)" if words == found.best[0] else "")
-        for (words, _), motion in found.tried
+        f"{name}: free through {np.degrees(motion.range):.2f} deg"
+        + (" (taken)" if name == found.best[0] else "")
+        for (name, _), motion in found.tried
     )
-    return Moved(found.best[1], found.motion, tried)
+    return MovingLinkage(found.best[1], found.motion, tried)
 
 
 def motion_of(linkage: Linkage) -> FreeMotion:
@@ -85,13 +85,13 @@ def motion_of(linkage: Linkage) -> FreeMotion:
 
 
 def _options(settings: LinkageSettings) -> list[tuple[str, LinkageSettings, bool]]:
-    """Words, settings, and whether levels are chosen for the range."""
+    """Name, settings, and whether levels are chosen for the range."""
     wall = settings.printer.wall
     width, height = (max(wall, SLIM * size) for size in (settings.bar_width, settings.bar_height))
     slim = replace(settings, bar_width=width, bar_height=height)
     bars = f"bars of {width:g} x {height:g} mm"
     asked = [
-        ("as asked for", settings, False),
+        ("settings as given", settings, False),
         ("levels chosen for the range", settings, True),
     ]
     try:

@@ -28,7 +28,7 @@ _PULLED: Final = 0.75  # how far the other one is pulled off its seat, in node d
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PlacedMesh:
     """A piece in the world: its kind, whether it failed a check, its mesh [mm]."""
 
     kind: Kind
@@ -57,7 +57,7 @@ class View:
 class Closeup:
     """What the close-up shows: pieces, view, and the sphere it pictures (middle, radius) [mm]."""
 
-    pieces: tuple[Placed, ...]
+    pieces: tuple[PlacedMesh, ...]
     view: View
     middle: Floats
     radius: float
@@ -65,28 +65,28 @@ class Closeup:
 
 def placed(
     families: Sequence[Family], meshes: Mapping[str, TriangleMesh], failed: frozenset[str]
-) -> list[Placed]:
+) -> list[PlacedMesh]:
     """Every piece where it stands, in the order of the families."""
-    pieces: list[Placed] = []
+    pieces: list[PlacedMesh] = []
     for family in families:
         mesh = meshes[family.number]
         for instance in family.instances:
             motion = instance.placement
             red = instance.mark in failed
             vertices = mesh.vertices @ motion[:3, :3].T + motion[:3, 3]
-            pieces.append(Placed(family.kind, red, motion, vertices, mesh.triangles))
+            pieces.append(PlacedMesh(family.kind, red, motion, vertices, mesh.triangles))
     return pieces
 
 
-def merged(pieces: Sequence[Placed]) -> dict[tuple[Kind, bool], tuple[Floats, Ints]]:
+def merged(pieces: Sequence[PlacedMesh]) -> dict[tuple[Kind, bool], tuple[Floats, Ints]]:
     """Vertices and triangles of the pieces of a kind that failed, or did not: by (kind, failed)."""
-    groups: dict[tuple[Kind, bool], list[Placed]] = {}
+    groups: dict[tuple[Kind, bool], list[PlacedMesh]] = {}
     for piece in pieces:
         groups.setdefault((piece.kind, piece.failed), []).append(piece)
     return {key: joined(group) for key, group in groups.items()}
 
 
-def joined(pieces: Sequence[Placed]) -> tuple[Floats, Ints]:
+def joined(pieces: Sequence[PlacedMesh]) -> tuple[Floats, Ints]:
     """Vertices and triangles of pieces as one mesh."""
     sizes = [len(p.vertices) for p in pieces]
     shift = np.repeat(np.cumsum([0, *sizes[:-1]]), [len(p.triangles) for p in pieces])
@@ -94,7 +94,7 @@ def joined(pieces: Sequence[Placed]) -> tuple[Floats, Ints]:
     return np.concatenate([p.vertices for p in pieces]), triangles
 
 
-def closeup(pieces: Sequence[Placed], eye: Floats) -> Closeup | None:
+def closeup(pieces: Sequence[PlacedMesh], eye: Floats) -> Closeup | None:
     """The node that shows best how the parts meet, as seen by who looks from `eye`.
 
     Among the nodes with four beams or more and a panel in each corner (or else those with most),
@@ -128,7 +128,7 @@ def closeup(pieces: Sequence[Placed], eye: Floats) -> Closeup | None:
     return Closeup(shown, _at(middles[best], radius, view), middles[best], radius)
 
 
-def _ends(pieces: Sequence[Placed], middles: Floats) -> list[Ints]:
+def _ends(pieces: Sequence[PlacedMesh], middles: Floats) -> list[Ints]:
     """For each piece the nodes at its corners: those nearest to one of its vertices."""
     from scipy.spatial import KDTree
 
@@ -138,8 +138,8 @@ def _ends(pieces: Sequence[Placed], middles: Floats) -> list[Ints]:
 
 
 def _opened(
-    node: Placed, middle: Floats, touching: Sequence[Placed], eye: Floats
-) -> tuple[list[Placed], tuple[Floats, Floats]]:
+    node: PlacedMesh, middle: Floats, touching: Sequence[PlacedMesh], eye: Floats
+) -> tuple[list[PlacedMesh], tuple[Floats, Floats]]:
     """The pieces at a node opened towards the eye, and the directions back to the eye and up.
 
     The eye is above the node's outside, between the two beams that are nearest to where the whole
@@ -152,7 +152,7 @@ def _opened(
     y = y / np.linalg.norm(y)
     x = np.cross(y, axis)
 
-    def azimuth(piece: Placed) -> float:
+    def azimuth(piece: PlacedMesh) -> float:
         out = piece.vertices.mean(axis=0) - middle
         return float(np.arctan2(out @ y, out @ x))
 

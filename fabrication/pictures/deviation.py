@@ -38,7 +38,7 @@ def write_deviation(
     Raises
     ------
     OutputError
-        The file cannot be written, or this machine cannot render; says what to install.
+        The file cannot be written, or this machine cannot render; names the packages to install.
     """
     try:
         import pyvista

@@ -15,7 +15,7 @@ from fabrication.formats.step import FAILED_COLOR
 from fabrication.pictures.closeup import (
     REACH,
     Closeup,
-    Placed,
+    PlacedMesh,
     View,
     closeup,
     joined,
@@ -81,7 +81,7 @@ def write_preview(
     Raises
     ------
     OutputError
-        The file cannot be written, or this machine cannot render; says what to install.
+        The file cannot be written, or this machine cannot render; names the packages to install.
     """
     picture = render(families, meshes, failed, size=size)
     with atomic_path(path) as temporary:
@@ -168,7 +168,7 @@ def camera(points: Floats, size: tuple[int, int] = SIZE) -> View:
     return View(middle + back * distance, middle, np.array([0.0, 0.0, 1.0]), FIELD_DEG)
 
 
-def _rendered(pyvista: Any, pieces: Sequence[Placed], size: tuple[int, int]) -> bytes:
+def _rendered(pyvista: Any, pieces: Sequence[PlacedMesh], size: tuple[int, int]) -> bytes:
     """Draw model, shadow and close-up off-screen and return the PNG."""
     ground = _ground(joined(pieces))
     view = camera(np.concatenate([*(p.vertices for p in pieces), ground[0]]), size)
@@ -217,7 +217,7 @@ def _shot(
 
 
 def _far_scene(
-    pyvista: Any, pieces: Sequence[Placed], size: tuple[int, int]
+    pyvista: Any, pieces: Sequence[PlacedMesh], size: tuple[int, int]
 ) -> list[tuple[Any, dict[str, Any]]]:
     """Meshes and looks of parts that are hardly wider than a pixel: nodes are dots."""
     actors = []
@@ -239,7 +239,7 @@ def _far_scene(
     return actors
 
 
-def _near_scene(pyvista: Any, pieces: Sequence[Placed]) -> list[tuple[Any, dict[str, Any]]]:
+def _near_scene(pyvista: Any, pieces: Sequence[PlacedMesh]) -> list[tuple[Any, dict[str, Any]]]:
     """Meshes and looks of parts that are seen large: with drawn edges."""
     actors = []
     for (kind, failed), (vertices, triangles) in merged(pieces).items():

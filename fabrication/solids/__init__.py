@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fabrication.boundary import Boundary, Cut
+from fabrication.solids.integrals import properties
 from fabrication.solids.kernel import is_valid, kernel_properties, load_kernel, solid_from
-from fabrication.solids.properties import properties
-from fabrication.solids.tessellate import CHORD, tessellate
+from fabrication.solids.tessellation import CHORD, tessellate
 from fabrication.specs import Properties, Shape, TriangleMesh
 
 if TYPE_CHECKING:

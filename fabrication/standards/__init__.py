@@ -5,6 +5,7 @@ from fabrication.standards.data import (
     bolt_hole,
     bolt_least_distance,
     density,
+    mass_kg,
     node_diameters,
     stock_size,
 )
@@ -17,6 +18,7 @@ __all__ = [
     "bolt_hole",
     "bolt_least_distance",
     "density",
+    "mass_kg",
     "node_diameters",
     "polygon",
     "printer",

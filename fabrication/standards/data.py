@@ -5,9 +5,12 @@ from __future__ import annotations
 import tomllib
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import Any, Final
 
 from ddgfab.errors import ProjectError
+
+KG_PER_MM3: Final = 1e-9
+"""A density [kg/m3] times this is in kg/mm3."""
 
 
 @cache
@@ -48,6 +51,11 @@ def node_diameters(kind: str) -> tuple[float, ...]:
 def density(material: str) -> float:
     """Density [kg/m3] of "steel" or "glass"."""
     return float(table("materials")[material]["density"])
+
+
+def mass_kg(volume: float, density: float) -> float:
+    """Mass [kg] of a volume [mm3] of a density [kg/m3]."""
+    return volume * density * KG_PER_MM3
 
 
 def stock_size() -> tuple[float, float]:

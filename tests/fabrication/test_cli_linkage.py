@@ -123,6 +123,6 @@ def test_the_range_is_told_in_the_words_of_the_manifest() -> None:
     made = kit("bennett")
     low, high = np.degrees([made.motion.low, made.motion.high])
     assert made.facts()["free_deg"] == pytest.approx([low, high], abs=1e-5)
-    assert f"{low:.2f} to {high:.2f} deg" in dict(made.motion_words())["free range"]
+    assert f"{low:.2f} to {high:.2f} deg" in dict(made.motion_facts())["free range"]
     marks = [tuple(contact["parts"]) for contact in made.facts()["contacts"]]
     assert marks == [contact.marks for contact in made.motion.contacts]

@@ -51,7 +51,7 @@ def test_the_default_kit_moves_through_more_than_120_degrees(bennett: Kit) -> No
     assert np.degrees(bennett.motion.high - bennett.motion.low) > 120
     assert bennett.motion.proven
     assert bennett.motion.low < bennett.mechanism.design < bennett.motion.high
-    assert "free range" in dict(bennett.motion_words())
+    assert "free range" in dict(bennett.motion_facts())
     assert repr(bennett).startswith("Kit(bennett: 4 bars on 4 hinges")
 
 

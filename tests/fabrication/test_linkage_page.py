@@ -16,7 +16,15 @@ import numpy as np
 import pytest
 
 from fabrication.linkage.animation import FRAMES, animation_gif, chosen
-from fabrication.linkage.page import Group, Moving, MovingScene, Page, Touch, page_html, write_page
+from fabrication.linkage.page import (
+    ContactNote,
+    Group,
+    MovingPiece,
+    MovingScene,
+    Page,
+    page_html,
+    write_page,
+)
 from fabrication.specs import TriangleMesh
 from fabrication.table import Table
 
@@ -37,12 +45,12 @@ def scene() -> MovingScene:
     return MovingScene(
         bodies=[TriangleMesh(CORNERS, TRIANGLES)],
         groups=[Group("links <a>", (0.2, 0.4, 0.7)), Group("pins", (0.6, 0.6, 0.6))],
-        pieces=[Moving(0, n % 2, f"L-{n:04d}") for n in range(PIECES)],
+        pieces=[MovingPiece(0, n % 2, f"L-{n:04d}") for n in range(PIECES)],
         motions=motions,
         driver="driving angle",
         values=values,
         design=12,
-        touches=[Touch(0, np.array([100.0, 0, 5]), "L-0000 meets L-0002")],
+        touches=[ContactNote(0, np.array([100.0, 0, 5]), "L-0000 meets L-0002")],
     )
 
 

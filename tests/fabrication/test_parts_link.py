@@ -16,8 +16,8 @@ from fabrication.linkage.bodies import link_body
 from fabrication.parts.link import LinkShape
 from fabrication.parts.link.frame import bar_corners, bar_radius, label_room
 from fabrication.solids import boundary_of, mesh_of, properties_of, second_volume_of, volume_of
-from fabrication.solids.properties import properties
-from fabrication.solids.tessellate import tessellate
+from fabrication.solids.integrals import properties
+from fabrication.solids.tessellation import tessellate
 from fabrication.solids.text import GLYPHS, Label, text_dots, text_outlines, text_size
 
 

@@ -84,7 +84,7 @@ def roof(bays: int = 4) -> designs.Design:
     )
 
 
-def standing(design: designs.Design, failed: tuple[str, ...] = ()) -> list[closeup.Placed]:
+def standing(design: designs.Design, failed: tuple[str, ...] = ()) -> list[closeup.PlacedMesh]:
     meshes = {f.number: mesh_of(f.shape, 0.5) for f in design.families}
     return closeup.placed(design.families, meshes, frozenset(failed))
 
@@ -155,7 +155,7 @@ def test_no_close_up_without_nodes_or_beams_and_one_from_straight_above() -> Non
     assert np.isfinite(above.view.position).all()
 
 
-def distance(piece: closeup.Placed, node: closeup.Placed) -> float:
+def distance(piece: closeup.PlacedMesh, node: closeup.PlacedMesh) -> float:
     return float(np.linalg.norm(piece.vertices - node.placement[:3, 3], axis=1).min())
 
 

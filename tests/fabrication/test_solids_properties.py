@@ -14,7 +14,7 @@ from fabrication.parts.beam import BeamShape, EndCut
 from fabrication.parts.node import NodeShape
 from fabrication.parts.panel import PanelShape
 from fabrication.solids import boundary_of, properties_of, second_volume_of, volume_of
-from fabrication.solids.properties import properties
+from fabrication.solids.integrals import properties
 from fabrication.solids.section import section_area
 from fabrication.specs import Loop, Shape
 

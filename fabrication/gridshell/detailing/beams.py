@@ -136,7 +136,7 @@ def _check_lengths(
 
 
 def _check_coped(frames: EdgeFrames, project: Project) -> None:
-    """Raise where coped ends are asked for although beams are twisted."""
+    """Raise `DetailError` where beams with coped ends are twisted."""
     if project.beam.end == "cope" and frames.twisted:
         worst = int(frames.torsion.argmax())
         raise DetailError(

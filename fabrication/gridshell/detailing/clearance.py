@@ -21,7 +21,7 @@ OFFSET_STEP: Final = 5.0
 """Offsets [mm] are multiples of this."""
 
 OFFSET_LIMIT: Final = 60.0
-"""Greatest offset [mm] taken of itself; beyond it something else is wrong, and it is said."""
+"""Greatest automatic offset [mm]; where more is needed, that is an error."""
 
 STEP_SLACK: Final = 1e-6
 """Part of a step by which rounding up may fall short, so that noise adds no step."""

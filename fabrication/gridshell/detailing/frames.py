@@ -19,7 +19,7 @@ STEEPEST: Final = np.radians(75.0)
 """A beam that leaves the plane across a node axis by more [rad] cannot be cut to meet the node."""
 
 TORSION_IGNORED: Final = np.radians(0.1)
-"""Torsion [rad] that optimized structures may leave: less than saws and welders can tell."""
+"""Torsion [rad] that optimized structures may leave: less than sawing and welding are exact to."""
 
 SQUARE: Final = 1e-9
 """A cut of a twisted beam with less slope is square: on K-nets axes are perpendicular to edges."""
@@ -54,7 +54,7 @@ def panel_mark(face: int) -> str:
 
 
 def listed(problems: Sequence[str], advice: str) -> DetailError:
-    """One error that names the first few problems, counts the rest, and says what to do."""
+    """One error that names the first few problems, counts the rest, and ends with advice."""
     shown = "; ".join(problems[:NAMED])
     more = f"; and {len(problems) - NAMED} more" if len(problems) > NAMED else ""
     return DetailError(f"{shown}{more}\n{advice}")

@@ -194,12 +194,12 @@ def _check_corner_radius(mesh: Mesh, meet: Floats, length: Floats, project: Proj
     )
 
 
-def _check(bad: NDArray[np.bool_], mesh: Mesh, say: Callable[[int], str], advice: str) -> None:
+def _check(bad: NDArray[np.bool_], mesh: Mesh, message: Callable[[int], str], advice: str) -> None:
     """Raise one error for all bad corners (C,), at most one of each panel."""
     corners = np.flatnonzero(bad)
     if len(corners):
         first = corners[np.unique(mesh.corner_face[corners], return_index=True)[1]]
-        raise listed([say(c) for c in first.tolist()], advice)
+        raise listed([message(c) for c in first.tolist()], advice)
 
 
 def panel_specs(
