@@ -11,6 +11,7 @@ import pytest
 from ddgfab.errors import InputError
 from fabrication.formats.report import inspect_file
 from fabrication.formats.stl import write_stl
+from fabrication.parts.beam import BEAM
 from fabrication.specs import TriangleMesh
 
 CORNERS = np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]])
@@ -103,7 +104,7 @@ def test_step_files(tmp_path: Path) -> None:
     solid = BRepPrimAPI_MakeBox(10, 20, 30).Solid()
     properties = Properties(6000.0, 2200.0, (5, 10, 15))
     path = tmp_path / "a.step"
-    write_part(path, Product("BP-001", "beam", solid, properties))
+    write_part(path, Product("BP-001", BEAM, solid, properties))
     report = inspect_file(path)
     assert report.passed
     assert (report.bodies[0].name, report.bodies[0].solids) == ("BP-001", 1)
@@ -112,7 +113,7 @@ def test_step_files(tmp_path: Path) -> None:
     shifted[0, 3] = 100
     write_assembly(
         tmp_path / "b.stp",
-        [Product("BP-001", "beam", solid, properties)],
+        [Product("BP-001", BEAM, solid, properties)],
         [("BP-001", "B-0000", np.eye(4)), ("BP-001", "B-0001", shifted)],
         name="two",
     )

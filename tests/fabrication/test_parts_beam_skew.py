@@ -13,7 +13,7 @@ from parts_table import FLAT, FREE, HOLES, RHS, T_BAR, beam
 from ddgfab.errors import DetailError
 from fabrication.formats.step import Header, Material
 from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
-from fabrication.parts.beam import BeamShape, CrossHole, EndCut, fibre_ends
+from fabrication.parts.beam import BEAM, BeamShape, CrossHole, EndCut, fibre_ends
 from fabrication.parts.beam.congruence import beam_variants
 from fabrication.solids import boundary_of, properties_of, second_volume_of, volume_of
 from fabrication.specs import Profile
@@ -86,7 +86,7 @@ def test_part_passes_every_check_and_reads_back(name: str, tmp_path: Path) -> No
         header=Header("", "", "skew"),
         materials={"beam": steel, "node": steel, "panel": steel},
     )
-    part = make_part(PartJob("BP-001", "beam", SHAPES[name]), settings)
+    part = make_part(PartJob("BP-001", BEAM, SHAPES[name]), settings)
     assert [check for check in part.checks if not check.passed] == []
     task = ("BP-001", part.properties.volume, part.mesh, part.files)
     found, _ = verify_parts([task])
