@@ -47,7 +47,7 @@ def test_options_and_settings(tmp_path: Path) -> None:
     words += ["--bed", "180x200", "--pin", "printed", "--printer", "sla", "--maximize-range"]
     code, said = run(*words, "--set", "project.name=toy", *QUICK)
     assert code == 0, said
-    assert "note: as asked for: free through" in said
+    assert "note: settings as given: free through" in said
     settings = json.loads((tmp_path / "toy/manifest.json").read_text("utf-8"))["settings"]
     assert settings["project"]["name"] == "toy"
     assert settings["linkage"]["beta_deg"] == 110
