@@ -14,7 +14,7 @@ from typing import Any, Final
 from ddgfab.errors import OutputError
 from ddgfab.optimize.report import comparison
 from fabrication.checks.assembly import check_assembly
-from fabrication.formats.tables import write_xlsx
+from fabrication.formats.xlsx import write_xlsx
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.schedules import schedules
 from fabrication.job.folder import OutputFolder, safe_name

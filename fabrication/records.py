@@ -77,7 +77,7 @@ def part_settings(design: Design, folder: Path, formats: frozenset[str]) -> Part
         threemf="3mf" in formats,
         chord=CHORD_MM,
         schema=project.output.step_schema,
-        header=Header(project.output.author, project.output.organisation, project.name),
+        header=Header(project.output.author, project.output.organization, project.name),
         materials={
             "beam": Material("Steel", project.beam.density),
             "node": Material("Steel", project.node.density),

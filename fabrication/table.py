@@ -101,7 +101,7 @@ class Table(Sequence[Row]):
         OutputError
             The file cannot be written.
         """
-        from fabrication.formats.tables import write_csv
+        from fabrication.formats.csv import write_csv
 
         write_csv(Path(path), self.rows)
 
@@ -113,7 +113,7 @@ class Table(Sequence[Row]):
         OutputError
             The file cannot be written.
         """
-        from fabrication.formats.tables import write_xlsx
+        from fabrication.formats.xlsx import write_xlsx
 
         write_xlsx(Path(path), {self.name: self.rows})
 

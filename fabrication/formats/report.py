@@ -1,4 +1,4 @@
-"""What is in a STEP, STL or 3MF file: solids, closed, valid, volume, names; for `ddgfab check`."""
+"""What is in a file: bodies, whether they are closed and valid, volumes; for `ddgfab check`."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ from typing import Any, Final
 from ddgfab.errors import InputError
 from fabrication.checks.crossing import crossings
 from fabrication.checks.mesh import measure_mesh
-from fabrication.formats.step.read import read_step
-from fabrication.formats.stl import read_stl
-from fabrication.formats.threemf import read_threemf
+from fabrication.formats.registry import find, names
 from fabrication.specs import TriangleMesh
 
 CROSSING_TRIANGLES: Final = 20_000
@@ -73,7 +71,7 @@ class FileReport:
 
 
 def inspect_file(path: Path | str) -> FileReport:
-    """Look into a file by its ending: .step or .stp, .stl (binary or text), .3mf.
+    """Look into a file; its ending says by which format.
 
     Raises
     ------
@@ -81,45 +79,16 @@ def inspect_file(path: Path | str) -> FileReport:
         Missing, of another format, truncated or broken; names the file and what is wrong.
     """
     path = Path(path)
-    kind = path.suffix.lower()
-    if kind in (".step", ".stp"):
-        return _step(path)
-    if kind == ".stl":
-        return _report(path, "STL", "mm assumed", [("", 1, read_stl(path))])
-    if kind == ".3mf":
-        return _threemf(path)
-    raise InputError("not a file that can be checked; .step, .stp, .stl or .3mf", file=str(path))
+    known: list[str] = []
+    for format in (find(name) for name in names()):
+        if format.inspects():
+            known += format.suffixes
+            if path.suffix.lower() in format.suffixes:
+                return format.inspect(path)
+    raise InputError(f"not a file that can be checked; {', '.join(known)}", file=str(path))
 
 
-def _step(path: Path) -> FileReport:
-    content = read_step(path)
-    placed = [name for name, _, _ in content.instances]
-    bodies = []
-    for product in content.products:
-        report = product.report
-        problems = []
-        if report.solids == 0:
-            problems.append("no solid")
-        elif not report.closed:
-            problems.append("not closed")
-        if not report.valid:
-            problems.append("invalid" + (f" ({', '.join(report.faults)})" if report.faults else ""))
-        if report.solids and report.volume <= 0:
-            problems.append("inside out or without volume")
-        bodies.append(
-            Body(
-                product.name,
-                placed.count(product.name),
-                report.solids,
-                None,
-                report.volume,
-                tuple(problems),
-            )
-        )
-    return _whole(path, "STEP", content.unit, bodies)
-
-
-def _report(
+def mesh_report(
     path: Path, kind: str, unit: str, meshes: list[tuple[str, int, TriangleMesh]]
 ) -> FileReport:
     """Report on (name, instances, mesh in mm)."""
@@ -136,10 +105,11 @@ def _report(
             if crossing:
                 problems.append(f"triangles go through each other at {crossing} places")
         bodies.append(Body(name, instances, None, report.triangles, report.volume, tuple(problems)))
-    return _whole(path, kind, unit, bodies)
+    return file_report(path, kind, unit, bodies)
 
 
-def _whole(path: Path, kind: str, unit: str, bodies: list[Body]) -> FileReport:
+def file_report(path: Path, kind: str, unit: str, bodies: list[Body]) -> FileReport:
+    """Report on bodies: their problems are the file's."""
     problems = [
         f"{body.name}: {problem}" if body.name else problem
         for body in bodies
@@ -149,13 +119,3 @@ def _whole(path: Path, kind: str, unit: str, bodies: list[Body]) -> FileReport:
         problems.append("holds no body")
     volume = sum(body.volume_mm3 * body.instances for body in bodies)
     return FileReport(str(path), kind, unit, tuple(bodies), volume, tuple(problems))
-
-
-def _threemf(path: Path) -> FileReport:
-    """Placements are taken as rigid motions: volumes are those of the meshes as written."""
-    content = read_threemf(path)
-    found = [
-        (body.name, placed, body.mesh)
-        for body, placed in zip(content.bodies, content.placed, strict=True)
-    ]
-    return _report(path, "3MF", content.unit, found)

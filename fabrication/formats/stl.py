@@ -11,10 +11,39 @@ from numpy.typing import NDArray
 from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
-from fabrication.specs import TriangleMesh
+from fabrication.checks.mesh import measure_mesh
+from fabrication.formats.base import About, Format, Part
+from fabrication.formats.report import FileReport, mesh_report
+from fabrication.specs import Check, TriangleMesh
 
 _RECORD: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _HEADER: Final = 80
+
+STL_ROUNDING: Final = 2.0**-23
+"""Greatest rounding of a coordinate in an STL (single precision), relative to its size."""
+
+
+class Stl(Format):
+    """STL: a mesh a part number, in millimeters; the file itself names no unit."""
+
+    name = "stl"
+    suffixes = (".stl",)
+    parts = True
+
+    def write_part(self, path: Path, part: Part, about: About) -> None:
+        """Binary; see `stl_bytes`."""
+        path.write_bytes(stl_bytes(part.mesh, part.number))
+
+    def check_part(self, path: Path, part: Part) -> list[Check]:
+        """Read back and compared; see `check_stl_part`."""
+        return check_stl_part(path, part.mesh)
+
+    def inspect(self, path: Path) -> FileReport:
+        """Closed, outward, without crossings; see `Format.inspect`."""
+        return mesh_report(path, "STL", "mm assumed", [("", 1, read_stl(path))])
+
+
+FORMAT: Final = Stl()
 
 
 def stl_bytes(mesh: TriangleMesh, name: str = "") -> bytes:
@@ -64,6 +93,32 @@ def read_stl(path: Path) -> TriangleMesh:
     if not np.isfinite(corners).all():
         raise InputError("the STL holds a coordinate that is not finite", file=str(path))
     return weld(corners)
+
+
+def check_stl_part(path: Path, mesh: TriangleMesh) -> list[Check]:
+    """The checks of one part number's STL file, read back and compared with the mesh written.
+
+    Returns
+    -------
+    Checks "stl readable", and if it is, "stl triangles" (count), "stl watertight" (open edges after
+    welding equal corners), "stl corners" (greatest distance [mm], against single precision).
+    """
+    try:
+        back = read_stl(path)
+    except InputError as error:
+        return [Check("stl readable", False, str(error))]
+    count, expected = len(back.triangles), len(mesh.triangles)
+    checks = [
+        Check("stl readable", True),
+        Check("stl triangles", count == expected, float(count), float(expected)),
+    ]
+    open_edges = measure_mesh(back).open_edges
+    checks.append(Check("stl watertight", count > 0 and open_edges == 0, float(open_edges), 0.0))
+    if count == expected and count:
+        away = float(np.abs(back.vertices[back.triangles] - mesh.vertices[mesh.triangles]).max())
+        limit = STL_ROUNDING * float(np.abs(mesh.vertices).max())
+        checks.append(Check("stl corners", away <= limit, away, limit))
+    return checks
 
 
 def weld(corners: Floats) -> TriangleMesh:

@@ -22,10 +22,10 @@ from fabrication.formats.step import (
     assembly_bytes,
     part_bytes,
 )
-from fabrication.formats.step.read import check_step_part, check_stl_part, check_threemf
+from fabrication.formats.step.read import check_step_part
 from fabrication.formats.step.whole import check_step_assembly
-from fabrication.formats.stl import stl_bytes
-from fabrication.formats.threemf import Body3MF, threemf_bytes
+from fabrication.formats.stl import check_stl_part, stl_bytes
+from fabrication.formats.threemf import Body3MF, check_threemf, threemf_bytes
 from fabrication.pictures.preview import write_preview
 from fabrication.solids import boundary_of, realise, second_volume_of, solid_of
 from fabrication.specs import Check, Family, Kind, Placement, Properties, Role, Shape, TriangleMesh

@@ -15,8 +15,8 @@ import numpy as np
 
 from fabrication.formats.glb import write_glb
 from fabrication.formats.step import Header, Material
-from fabrication.formats.step.read import check_threemf
-from fabrication.formats.tables import write_xlsx
+from fabrication.formats.threemf import check_threemf
+from fabrication.formats.xlsx import write_xlsx
 from fabrication.job.folder import safe_name
 from fabrication.job.manifest import (
     MANIFEST,
@@ -333,7 +333,7 @@ def part_settings(kit: Kit, folder: Path) -> PartSettings:
         stl="stl" in formats,
         chord=PRINTED_CHORD_MM,
         schema=output.step_schema,
-        header=Header(output.author, output.organisation, kit.name),
+        header=Header(output.author, output.organization, kit.name),
         materials={
             **dict.fromkeys(roles, printed),
             PIN.role: metal if settings.pin == "metal" else printed,

@@ -121,14 +121,14 @@ class OutputSettings(Section):
     formats : files to write; manifest and preview are always written
     jobs : processes; 0 = as many as there are cores. Kits have few part numbers: one is soonest
     step_schema : "AP214" opens almost everywhere, "AP242" is newer
-    author, organisation : for the STEP headers
+    author, organization : for the STEP headers
     """
 
     formats: tuple[Format, ...] = Field(default=FORMATS, strict=False)
     jobs: Annotated[int, Field(ge=0, le=256)] = 1
     step_schema: Literal["AP214", "AP242"] = "AP214"
     author: str = ""
-    organisation: str = ""
+    organization: str = ""
 
 
 class KitProject(Section):

@@ -11,7 +11,7 @@ import numpy as np
 from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats, Ints
-from fabrication.formats.step import FAILED_COLOR
+from fabrication.formats.base import FAILED_COLOR
 from fabrication.pictures.closeup import (
     REACH,
     Closeup,

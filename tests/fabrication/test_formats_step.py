@@ -33,7 +33,7 @@ pytestmark = pytest.mark.slow
 
 STEEL = Material("S355J2", 7850.0)
 GLASS = Material("Glas für Dächer", 2500.0)
-HEADER = Header(author="J. Müller", organisation="Werk O'Neil")
+HEADER = Header(author="J. Müller", organization="Werk O'Neil")
 
 
 def box(x: float, y: float, z: float) -> Any:

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError, OutputError
-from fabrication.formats.step.read import check_stl_part
-from fabrication.formats.stl import read_stl, stl_bytes, write_stl
+from fabrication.formats.stl import check_stl_part, read_stl, stl_bytes, write_stl
 from fabrication.specs import TriangleMesh
 
 

@@ -12,7 +12,9 @@ import openpyxl
 import pytest
 
 from ddgfab.errors import OutputError
-from fabrication.formats.tables import columns_of, csv_text, write_csv, write_xlsx
+from fabrication.formats.csv import csv_text, write_csv
+from fabrication.formats.tables import columns_of
+from fabrication.formats.xlsx import write_xlsx
 
 ROWS = [
     {

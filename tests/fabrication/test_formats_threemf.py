@@ -14,8 +14,14 @@ import pytest
 from ddgfab.errors import InputError
 from fabrication.checks.mesh import measure_mesh
 from fabrication.formats.report import inspect_file
-from fabrication.formats.step.read import check_threemf
-from fabrication.formats.threemf import Body3MF, Item3MF, read_threemf, threemf_bytes, write_threemf
+from fabrication.formats.threemf import (
+    Body3MF,
+    Item3MF,
+    check_threemf,
+    read_threemf,
+    threemf_bytes,
+    write_threemf,
+)
 from fabrication.specs import TriangleMesh
 
 CORNERS = np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]])

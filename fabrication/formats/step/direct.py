@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import DdgError, KernelError
+from fabrication.formats.base import Header, Material, Schema
 from fabrication.formats.step.entities import (
     COMMON,
     COMMON_CONTEXT,
@@ -32,13 +33,7 @@ from fabrication.formats.step.entities import (
 )
 from fabrication.formats.step.geometry import LOCAL, BoundaryShell
 from fabrication.formats.step.kernel import KernelShell
-from fabrication.formats.step.records import (
-    Header,
-    Material,
-    Product,
-    Schema,
-    time_stamp,
-)
+from fabrication.formats.step.records import Product, time_stamp
 from fabrication.formats.step.text import STYLE_IDS, quoted, real, style
 from fabrication.specs import Kind, Placement
 from fabrication.version import originating_system
@@ -171,7 +166,7 @@ class _Text:
             "ISO-10303-21;\nHEADER;\n"
             f"FILE_DESCRIPTION(({quoted(header.description or file_name)}),'2;1');\n"
             f"FILE_NAME({quoted(file_name)},{quoted(time_stamp())},({quoted(header.author)}),"
-            f"({quoted(header.organisation)}),{system},{system},'Unknown');\n"
+            f"({quoted(header.organization)}),{system},{system},'Unknown');\n"
             f"FILE_SCHEMA(('{identity}'));\nENDSEC;\nDATA;\n"
         )
         common = COMMON % (protocol, year, application) + COMMON_CONTEXT

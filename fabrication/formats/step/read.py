@@ -1,8 +1,7 @@
-"""Checks of written files: STEP, STL and 3MF read back and compared with what went in."""
+"""STEP files read back by the CAD kernel, and the checks of one part number's file."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -10,13 +9,10 @@ from typing import Any, Final
 import numpy as np
 
 from ddgfab.errors import InputError
-from ddgfab.mesh import Floats, Ints
-from fabrication.checks.mesh import measure_mesh
+from ddgfab.mesh import Floats
 from fabrication.checks.solid import SolidReport, inspect_solid
 from fabrication.formats.step.xcaf import components, free_labels, get_name, read_document
-from fabrication.formats.stl import read_stl
-from fabrication.formats.threemf import DECIMALS
-from fabrication.specs import Check, TriangleMesh
+from fabrication.specs import Check
 
 FILE_VOLUME_RELATIVE: Final = 1e-6
 """How far a volume read back may be from the one written, relative to it: STEP's digits, and the
@@ -24,12 +20,6 @@ reader's own curves on cylinders (5.6e-8 on a coped tee, 2.6e-7 on a part made b
 
 STEP_UNIT: Final = "millimetre"
 """The length unit of every STEP file that we write, as OCCT's reader names it."""
-
-STL_ROUNDING: Final = 2.0**-23
-"""Greatest rounding of a coordinate in an STL (single precision), relative to its size."""
-
-THREEMF_DECIMAL: Final = 0.5 * 10.0**-DECIMALS
-"""How far [mm] a coordinate in a 3MF may be rounded; lib3mf then reads single precision."""
 
 
 @dataclass(frozen=True)
@@ -107,102 +97,6 @@ def check_step_part(
         Check("file unit", content.unit == STEP_UNIT, content.unit, STEP_UNIT),
         Check("file volume", total > 0 and deviation <= relative, deviation, relative),
     ]
-
-
-def check_stl_part(path: Path, mesh: TriangleMesh) -> list[Check]:
-    """The checks of one part number's STL file, read back and compared with the mesh written.
-
-    Returns
-    -------
-    Checks "stl readable", and if it is, "stl triangles" (count), "stl watertight" (open edges after
-    welding equal corners), "stl corners" (greatest distance [mm], against single precision).
-    """
-    try:
-        back = read_stl(path)
-    except InputError as error:
-        return [Check("stl readable", False, str(error))]
-    count, expected = len(back.triangles), len(mesh.triangles)
-    checks = [
-        Check("stl readable", True),
-        Check("stl triangles", count == expected, float(count), float(expected)),
-    ]
-    open_edges = measure_mesh(back).open_edges
-    checks.append(Check("stl watertight", count > 0 and open_edges == 0, float(open_edges), 0.0))
-    if count == expected and count:
-        away = float(np.abs(back.vertices[back.triangles] - mesh.vertices[mesh.triangles]).max())
-        limit = STL_ROUNDING * float(np.abs(mesh.vertices).max())
-        checks.append(Check("stl corners", away <= limit, away, limit))
-    return checks
-
-
-def check_threemf(path: Path, expected: Sequence[tuple[str, TriangleMesh, int]]) -> list[Check]:
-    """The checks of one 3MF file, read back by lib3mf and compared with the meshes written.
-
-    Parameters
-    ----------
-    expected : the objects in their order: name, mesh [mm], how often it is placed
-
-    Returns
-    -------
-    Checks "3mf readable", and if it is, "3mf objects" (names in their order), "3mf unit",
-    "3mf manifold" (lib3mf: manifold and oriented), "3mf instances", and where the counts agree
-    "3mf corners" (greatest distance [mm] of a corner, against single precision).
-    """
-    import lib3mf
-
-    wrapper = lib3mf.get_wrapper()
-    model = wrapper.CreateModel()
-    reader = model.QueryReader("3mf")
-    reader.SetStrictModeActive(True)
-    try:
-        reader.ReadFromFile(str(path))
-    except lib3mf.ELib3MFException as error:
-        return [Check("3mf readable", False, str(error))]
-    warnings = "; ".join(reader.GetWarning(i)[1] for i in range(reader.GetWarningCount()))
-    objects, unit = _mesh_objects(model), model.GetUnit() == lib3mf.ModelUnit.MilliMeter
-    names = [found.GetName() for found in objects]
-    wanted = [name for name, _, _ in expected]
-    sound = all(found.IsManifoldAndOriented() for found in objects)
-    build = model.GetBuildItems()
-    placed = [0] * len(objects)
-    keys = [found.GetResourceID() for found in objects]
-    while build.MoveNext():
-        placed[keys.index(build.GetCurrent().GetObjectResourceID())] += 1
-    counts = [count for _, _, count in expected]
-    checks = [
-        Check("3mf readable", not warnings, warnings or None),
-        Check("3mf objects", names == wanted, ", ".join(names), ", ".join(wanted)),
-        Check("3mf unit", unit, None, "millimetre"),
-        Check("3mf manifold", bool(objects) and sound),
-        Check("3mf instances", placed == counts, float(sum(placed)), float(sum(counts))),
-    ]
-    meshes = [mesh for _, mesh, _ in expected]
-    away = limit = 0.0
-    for found, mesh in zip(objects, meshes, strict=False):
-        vertices, triangles = _lib3mf_mesh(found)
-        if vertices.shape != mesh.vertices.shape or not np.array_equal(triangles, mesh.triangles):
-            away = np.inf
-            break
-        away = max(away, float(np.abs(vertices - mesh.vertices).max()))
-        single = STL_ROUNDING * float(np.abs(mesh.vertices).max())
-        limit = max(limit, THREEMF_DECIMAL + single)
-    checks.append(Check("3mf corners", away <= limit, away, limit))
-    return checks
-
-
-def _mesh_objects(model: Any) -> list[Any]:
-    """The mesh objects of a lib3mf model in their order."""
-    objects, found = model.GetMeshObjects(), []
-    while objects.MoveNext():
-        found.append(objects.GetCurrentMeshObject())
-    return found
-
-
-def _lib3mf_mesh(body: Any) -> tuple[Floats, Ints]:
-    """(n, 3) vertices and (m, 3) triangles of a lib3mf mesh object."""
-    vertices = np.array([list(point.Coordinates) for point in body.GetVertices()])
-    triangles = np.array([list(corner.Indices) for corner in body.GetTriangleIndices()])
-    return vertices.reshape(-1, 3), triangles.reshape(-1, 3)
 
 
 def _walk(

@@ -1,39 +1,15 @@
-"""What goes into a STEP file besides geometry: products, header, materials."""
+"""What goes into a STEP file besides geometry: products, the time."""
 
 from __future__ import annotations
 
 import os
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any, Final, Literal
+from typing import Any
 
 from fabrication.boundary import Boundary
-from fabrication.specs import Color, Kind, Properties
-
-Schema = Literal["AP214", "AP242"]
-
-FAILED: Final = "failed"
-"""Name of the look of pieces that failed a check."""
-
-FAILED_COLOR: Final[Color] = (0.85, 0.10, 0.10)
-"""Their color."""
-
-
-@dataclass(frozen=True)
-class Header:
-    """Who made the file. Empty fields are written as they are."""
-
-    author: str = ""
-    organisation: str = ""
-    description: str = ""
-
-
-@dataclass(frozen=True)
-class Material:
-    """A material: its name and density [kg/m3]."""
-
-    name: str
-    density: float
+from fabrication.formats.base import Material
+from fabrication.specs import Kind, Properties
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,19 +10,86 @@ from typing import Any, Final
 
 import numpy as np
 
+from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
-from fabrication.formats.step import FAILED, FAILED_COLOR
-from fabrication.specs import Color, Family, Finish, Kind, Placement, TriangleMesh
+from fabrication.formats.base import FAILED, FAILED_COLOR, Format, Whole
+from fabrication.formats.glb.read import read_glb
+from fabrication.formats.report import FileReport, mesh_report
+from fabrication.specs import Check, Color, Family, Finish, Kind, Placement, TriangleMesh
 from fabrication.version import originating_system
 
 GLASS_ALPHA: Final = 0.35
 """Opacity of what is made of glass."""
 
+MODEL: Final = "model.glb"
+"""Name of the file of the whole."""
+
 _METRE: Final = 0.001
 _Y_UP: Final = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # ours (z up) to glTF's (y up)
 _FLOAT, _UINT32 = 5126, 5125
 _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
+
+
+class Glb(Format):
+    """GLB: the whole as colored meshes, pieces that failed in red."""
+
+    name = "glb"
+    suffixes = (".glb",)
+
+    def write_whole(self, folder: Path, whole: Whole) -> list[str]:
+        """model.glb; see `glb_bytes`."""
+        meshes = {number: part.mesh for number, part in whole.parts.items()}
+        (folder / MODEL).write_bytes(glb_bytes(whole.shown, meshes, whole.failed))
+        return []
+
+    def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
+        """Read back: every piece once, under its mark, its bounds where it was placed."""
+        try:
+            content = read_glb(folder / MODEL)
+        except InputError as error:
+            return [Check("glb readable", False, str(error))]
+        marks = [i.mark for family in whole.shown for i in family.instances]
+        found = {piece.name: piece for piece in content.pieces}
+        away = limit = 0.0
+        for family in whole.shown:
+            points = whole.parts[family.number].mesh.vertices
+            for instance in family.instances:
+                at = instance.placement
+                exact = points @ at[:3, :3].T + at[:3, 3]
+                if instance.mark in found:
+                    back = found[instance.mark].vertices()
+                    bounds = [
+                        np.ptp([b.min(axis=0), e.min(axis=0)], axis=0).max()
+                        for b, e in ((back, exact), (-back, -exact))
+                    ]
+                    away = max(away, *map(float, bounds))
+                limit = max(limit, SINGLE_ROUNDING * float(np.abs(points).max()))
+        return [
+            Check("glb readable", True),
+            Check(
+                "glb pieces",
+                sorted(p.name for p in content.pieces) == sorted(marks),
+                float(len(content.pieces)),
+                float(len(marks)),
+            ),
+            Check("glb positions_mm", away <= limit, away, limit),
+        ]
+
+    def inspect(self, path: Path) -> FileReport:
+        """Its meshes, corners of equal coordinates welded; placements as rigid motions."""
+        content = read_glb(path)
+        meshes = [
+            (name, sum(piece.mesh is mesh for piece in content.pieces), mesh)
+            for name, mesh in content.meshes
+        ]
+        return mesh_report(path, "GLB", "meter", meshes)
+
+
+FORMAT: Final = Glb()
+
+SINGLE_ROUNDING: Final = 4 * 2.0**-23
+"""How far a coordinate of a placed part may be rounded (single precision), relative to its size."""
 
 
 def glb_bytes(

@@ -1,0 +1,208 @@
+"""What a format is, and what it is given: a part number as made, and the whole structure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, TypeAlias
+
+from ddgfab.errors import InputError
+from fabrication.boundary import Boundary
+from fabrication.solids import Realised, boundary_of, solid_of
+from fabrication.specs import (
+    Check,
+    Color,
+    Family,
+    Kind,
+    Placement,
+    Properties,
+    Shape,
+    TriangleMesh,
+)
+
+if TYPE_CHECKING:
+    from fabrication.formats.report import FileReport
+
+Schema = Literal["AP214", "AP242"]
+Row: TypeAlias = Mapping[str, Any]
+Standing: TypeAlias = tuple[str, str, Placement]
+"""Part number, piece mark, (4, 4) placement [mm]."""
+
+FAILED: Final = "failed"
+"""Name of the look of pieces that failed a check."""
+
+FAILED_COLOR: Final[Color] = (0.85, 0.10, 0.10)
+"""Their color."""
+
+KG_PER_MM3: Final = 1e-9
+"""Times a density [kg/m3]."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """Who made a file, and what of; empty fields are written as they are."""
+
+    author: str = ""
+    organization: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class About:
+    """What files tell of their origin: the project's name, header, and the STEP schema wanted."""
+
+    project: str
+    header: Header
+    schema: Schema = "AP214"
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material: its name and density [kg/m3]."""
+
+    name: str
+    density: float
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A part number as made: its family, properties, mesh in its own frame [mm], and material."""
+
+    family: Family
+    properties: Properties
+    mesh: TriangleMesh
+    material: Material
+
+    @classmethod
+    def of(cls, family: Family, made: Realised, material: Material) -> Part:
+        """A part whose boundary, and solid where there is one, are known already."""
+        part = cls(family, made.properties, made.mesh, material)
+        part.__dict__["boundary"] = made.boundary
+        if made.solid is not None:
+            part.__dict__["solid"] = made.solid
+        return part
+
+    @property
+    def number(self) -> str:
+        """The part number."""
+        return self.family.number
+
+    @property
+    def kind(self) -> Kind:
+        """Its kind."""
+        return self.family.kind
+
+    @property
+    def shape(self) -> Shape:
+        """Its shape."""
+        return self.family.shape
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg] of one piece."""
+        return self.properties.volume * self.material.density * KG_PER_MM3
+
+    @cached_property
+    def boundary(self) -> Boundary | None:
+        """Exact boundary; None where the shape has none."""
+        return boundary_of(self.shape)
+
+    @cached_property
+    def solid(self) -> Any:
+        """Solid of the CAD kernel, made when first asked for."""
+        return solid_of(self.shape)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Between processes without boundary and solid, which are made again where needed."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """A structure as made.
+
+    Attributes
+    ----------
+    parts : by part number
+    families : part numbers with the pieces that are put together, placed
+    shown : the same as models and pictures show them
+    failed : marks of pieces that failed a check or a limit
+    tables : schedules by name, as rows
+    plates : for each print plate, what stands where on it
+    problems : what failed, a line each; empty but for formats that are reports
+    """
+
+    about: About
+    parts: Mapping[str, Part]
+    families: Sequence[Family]
+    shown: Sequence[Family]
+    failed: frozenset[str] = frozenset()
+    tables: Mapping[str, Sequence[Row]] | None = None
+    plates: Sequence[Sequence[Standing]] = ()
+    problems: tuple[str, ...] = ()
+
+    def passed(self) -> Iterator[Standing]:
+        """The pieces without those that failed."""
+        for family in self.families:
+            for instance in family.instances:
+                if instance.mark not in self.failed:
+                    yield family.number, instance.mark, instance.placement
+
+
+class Format:
+    """A file format. One that writes parts has a file a part number in parts/NAME/.
+
+    What a format does not write or check stays as it is here: nothing.
+
+    Attributes
+    ----------
+    name : in [output] formats, and of the folder of the parts
+    suffixes : of its files, the first one when they are written
+    parts : whether it has a file a part number
+    report : whether its whole tells what failed: written last, by the process of the job itself
+    needs, needs_to_check : modules, and what pip installs for them
+    libraries : distributions whose versions belong into the manifest
+    """
+
+    name: ClassVar[str]
+    suffixes: ClassVar[tuple[str, ...]]
+    parts: ClassVar[bool] = False
+    report: ClassVar[bool] = False
+    needs: ClassVar[Mapping[str, str]] = {}
+    needs_to_check: ClassVar[Mapping[str, str]] = {}
+    libraries: ClassVar[tuple[str, ...]] = ()
+
+    def write_part(self, path: Path, part: Part, about: About) -> None:
+        """Write the file of one part number."""
+
+    def check_part(self, path: Path, part: Part) -> list[Check]:
+        """Read the file of one part number back and compare it with the part."""
+        return []
+
+    def write_whole(self, folder: Path, whole: Whole) -> list[str]:
+        """Write the files of the whole below the output folder, or replace them.
+
+        Returns what could not be written though it is no fault of the structure.
+        """
+        return []
+
+    def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
+        """Read the files of the whole back and compare them."""
+        return []
+
+    def inspect(self, path: Path) -> FileReport:
+        """What is in any file of this format.
+
+        Raises
+        ------
+        InputError
+            Missing, of another format, truncated or broken; or the format has nothing to inspect.
+        """
+        raise InputError(f"files of format {self.name} cannot be inspected", file=str(path))
+
+    @classmethod
+    def inspects(cls) -> bool:
+        """Whether `ddgfab check` can look into files of this format."""
+        return cls.inspect is not Format.inspect

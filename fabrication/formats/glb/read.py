@@ -1,0 +1,130 @@
+"""GLB back to triangle meshes [mm]: positions, indices and the nodes that place them."""
+
+from __future__ import annotations
+
+import json
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ddgfab.errors import InputError
+from ddgfab.mesh import Floats
+from fabrication.formats.stl import weld
+from fabrication.specs import Placement, TriangleMesh
+
+_Z_UP: Final = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # glTF's axes (y up) to ours
+_MILLIMETERS: Final = 1000.0
+_TYPES: Final = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_TRIANGLES: Final = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A node with a mesh: its name, the mesh [mm], where it stands."""
+
+    name: str
+    mesh: TriangleMesh
+    placement: Placement
+
+    def vertices(self) -> Floats:
+        """(n, 3) vertices [mm] where they stand."""
+        placed: Floats = self.mesh.vertices @ self.placement[:3, :3].T + self.placement[:3, 3]
+        return placed
+
+
+@dataclass(frozen=True, eq=False)
+class ContentGLB:
+    """Meshes of a GLB with their names, z up; and the pieces that its nodes make of them."""
+
+    meshes: tuple[tuple[str, TriangleMesh], ...]
+    pieces: tuple[Piece, ...]
+
+
+def read_glb(path: Path) -> ContentGLB:
+    """The triangle meshes of a GLB (glTF 2.0, chapters 3 and 4), and its nodes that show them.
+
+    Raises
+    ------
+    InputError
+        Missing, no GLB, or truncated; or it holds what is not read: other primitives than indexed
+        triangles, compressed, sparse or external data.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", file=str(path)) from error
+    try:
+        magic, version, total = struct.unpack_from("<4sII", data)
+        if magic != b"glTF" or version != 2 or total != len(data):
+            raise InputError("not a GLB of glTF 2.0, or truncated", file=str(path))
+        size = struct.unpack_from("<I", data, 12)[0]
+        document = json.loads(data[20 : 20 + size])
+        binary = data[28 + size :]
+        meshes = [
+            (mesh.get("name", ""), _mesh(document, binary, mesh))
+            for mesh in document.get("meshes", ())
+        ]
+        pieces: list[Piece] = []
+        for root in document["scenes"][document.get("scene", 0)]["nodes"]:
+            _walk(document, [mesh for _, mesh in meshes], root, np.eye(4), pieces)
+    except (struct.error, ValueError, KeyError, IndexError, RecursionError) as error:
+        raise InputError(f"not a readable GLB ({error!r})", file=str(path)) from error
+    return ContentGLB(tuple(meshes), tuple(pieces))
+
+
+def _mesh(document: dict[str, Any], binary: bytes, mesh: dict[str, Any]) -> TriangleMesh:
+    """All primitives of a mesh as one, corners of equal coordinates welded."""
+    corners = []
+    for primitive in mesh["primitives"]:
+        if primitive.get("mode", _TRIANGLES) != _TRIANGLES or primitive.get("extensions"):
+            raise ValueError("only plain triangles are read")
+        points = _array(document, binary, primitive["attributes"]["POSITION"], 3)
+        order = _array(document, binary, primitive["indices"], 1).ravel().astype(np.int64)
+        corners.append(points[order].reshape(-1, 3, 3))
+    metric = np.concatenate(corners).astype(np.float64) @ _Z_UP.T * _MILLIMETERS
+    return weld(metric)
+
+
+def _array(document: dict[str, Any], binary: bytes, index: int, width: int) -> Any:
+    """(n, width) values of an accessor."""
+    accessor = document["accessors"][index]
+    view = document["bufferViews"][accessor["bufferView"]]
+    if "sparse" in accessor or document["buffers"][view["buffer"]].get("uri"):
+        raise ValueError("sparse or external data are not read")
+    kind = np.dtype(_TYPES[accessor["componentType"]])
+    start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    stride = view.get("byteStride", width * kind.itemsize)
+    array: Any = np.ndarray(
+        (accessor["count"], width), kind, binary, start, (stride, kind.itemsize)
+    )
+    return array
+
+
+def _walk(
+    document: dict[str, Any],
+    meshes: list[TriangleMesh],
+    index: int,
+    above: Placement,
+    pieces: list[Piece],
+) -> None:
+    """Collect the nodes below one that show a mesh."""
+    node = document["nodes"][index]
+    at = above @ _motion(node)
+    if "mesh" in node:
+        pieces.append(Piece(node.get("name", ""), meshes[node["mesh"]], at))
+    for child in node.get("children", ()):
+        _walk(document, meshes, child, at, pieces)
+
+
+def _motion(node: dict[str, Any]) -> Placement:
+    """A node's own placement in our axes and millimeters."""
+    if any(key in node for key in ("rotation", "scale", "translation")):
+        raise ValueError("only nodes placed by a matrix are read")
+    own = np.array(node.get("matrix", np.eye(4).T.ravel()), dtype=np.float64).reshape(4, 4).T
+    motion = np.eye(4)
+    motion[:3, :3] = _Z_UP @ own[:3, :3] @ _Z_UP.T
+    motion[:3, 3] = _Z_UP @ own[:3, 3] * _MILLIMETERS
+    return motion

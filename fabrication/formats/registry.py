@@ -1,0 +1,91 @@
+"""Which formats there are: one line each. Light: a format's module is imported when it is used."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Final
+
+from ddgfab.errors import InputError
+from ddgfab.suggest import suggestion
+
+if TYPE_CHECKING:
+    from fabrication.formats.base import Format
+
+MODULES: Final = {
+    "step": "fabrication.formats.step.format",
+    "stl": "fabrication.formats.stl",
+    "3mf": "fabrication.formats.threemf",
+    "glb": "fabrication.formats.glb",
+    "csv": "fabrication.formats.csv",
+    "xlsx": "fabrication.formats.xlsx",
+}
+"""Modules whose FORMAT is a format, by its name, in the order in which files are written."""
+
+_REGISTERED: dict[str, Format] = {}
+
+
+def names() -> tuple[str, ...]:
+    """Names of all formats that every product can be written in."""
+    return tuple(dict.fromkeys([*MODULES, *_REGISTERED]))
+
+
+def register(format: Format) -> None:
+    """Add a format under its name, or put it in the place of the one that has this name."""
+    _REGISTERED[format.name] = format
+
+
+def unregister(name: str) -> None:
+    """Take back what `register` did."""
+    _REGISTERED.pop(name, None)
+
+
+def find(name: str) -> Format:
+    """The format of a name.
+
+    Raises
+    ------
+    InputError
+        There is none; names the nearest one.
+    """
+    if name in _REGISTERED:
+        return _REGISTERED[name]
+    check_names([name], names())
+    found: Format = import_module(MODULES[name]).FORMAT
+    return found
+
+
+def check_names(given: Iterable[str], known: Iterable[str]) -> None:
+    """Raise InputError for the first name that is not known, with the nearest one."""
+    known = tuple(known)
+    for name in given:
+        if name not in known:
+            raise InputError(f'"{name}" is unknown; {suggestion(name, known)}')
+
+
+def missing(formats: Iterable[Format], *, checked: bool) -> None:
+    """Raise where a package is not installed that a format needs to be written, or checked.
+
+    Raises
+    ------
+    InputError
+        Names the format, the package and how to install it.
+    """
+    for format in formats:
+        needs: Mapping[str, str] = format.needs
+        if checked:
+            needs = {**needs, **format.needs_to_check}
+        for module, install in needs.items():
+            if find_spec(module) is None:
+                why = "" if module in format.needs else " to be read back"
+                raise InputError(
+                    f'format "{format.name}" needs {module}{why}, which is not installed: '
+                    f"pip install '{install}'\n"
+                    "Or leave the format out (--formats)."
+                )
+
+
+def needs_kernel(formats: Iterable[Format], *, checked: bool) -> bool:
+    """Whether the checks of some format load the CAD kernel."""
+    return checked and any("OCP" in format.needs_to_check for format in formats)

@@ -1,0 +1,106 @@
+"""STEP as a format: a file a part number, and assembly.step of the pieces that passed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+from fabrication.checks.solid import check_solid
+from fabrication.formats.base import About, Format, Part, Whole
+from fabrication.formats.report import Body, FileReport, file_report
+from fabrication.formats.step.direct import assembly_bytes, part_bytes
+from fabrication.formats.step.read import check_step_part, read_step
+from fabrication.formats.step.records import Product
+from fabrication.formats.step.whole import check_step_assembly
+from fabrication.specs import Check
+
+ASSEMBLY: Final = "assembly.step"
+"""Name of the file of the whole."""
+
+
+class Step(Format):
+    """STEP: exact solids; written as text, read back by the CAD kernel."""
+
+    name = "step"
+    suffixes = (".step", ".stp")
+    parts = True
+    needs_to_check = {"OCP": "cadquery-ocp"}  # noqa: RUF012
+    libraries = ("cadquery-ocp", "build123d", "cadquery")
+
+    def write_part(self, path: Path, part: Part, about: About) -> None:
+        """One product; see `part_bytes`."""
+        data = part_bytes(_product(part), path.name, header=about.header, schema=about.schema)
+        path.write_bytes(data)
+
+    def check_part(self, path: Path, part: Part) -> list[Check]:
+        """The kernel's solid against the closed form, and the file read back."""
+        volume = part.properties.volume
+        return [
+            *check_solid(part.solid, volume),
+            *check_step_part(path, number=part.number, volume=volume),
+        ]
+
+    def write_whole(self, folder: Path, whole: Whole) -> list[str]:
+        """The pieces that passed as instances; no file where none did."""
+        path, instances = folder / ASSEMBLY, list(whole.passed())
+        if not instances:
+            path.unlink(missing_ok=True)
+            return []
+        used = {number for number, _, _ in instances}
+        products = [_product(part) for number, part in whole.parts.items() if number in used]
+        data = assembly_bytes(
+            products,
+            instances,
+            name=whole.about.project,
+            file_name=path.name,
+            header=whole.about.header,
+            schema=whole.about.schema,
+        )
+        path.write_bytes(data)
+        return []
+
+    def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
+        """Read back and compared piece by piece; see `check_step_assembly`."""
+        expected = {
+            mark: (number, whole.parts[number].properties.volume, at)
+            for number, mark, at in whole.passed()
+        }
+        return check_step_assembly(folder / ASSEMBLY, expected) if expected else []
+
+    def inspect(self, path: Path) -> FileReport:
+        """Each product: solids, closed, valid, volume."""
+        content = read_step(path)
+        placed = [name for name, _, _ in content.instances]
+        bodies = []
+        for product in content.products:
+            report = product.report
+            problems = []
+            if report.solids == 0:
+                problems.append("no solid")
+            elif not report.closed:
+                problems.append("not closed")
+            if not report.valid:
+                problems.append(
+                    "invalid" + (f" ({', '.join(report.faults)})" if report.faults else "")
+                )
+            if report.solids and report.volume <= 0:
+                problems.append("inside out or without volume")
+            bodies.append(
+                Body(
+                    product.name,
+                    placed.count(product.name),
+                    report.solids,
+                    None,
+                    report.volume,
+                    tuple(problems),
+                )
+            )
+        return file_report(path, "STEP", content.unit, bodies)
+
+
+def _product(part: Part) -> Product:
+    solid = part.solid if part.boundary is None else None
+    return Product(part.number, part.kind, solid, part.properties, part.material, part.boundary)
+
+
+FORMAT: Final = Step()

@@ -1,0 +1,92 @@
+"""3MF: parts as named, colored meshes, and the print plates of what is printed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from fabrication.formats.base import About, Format, Part, Standing, Whole
+from fabrication.formats.report import FileReport, mesh_report
+from fabrication.formats.threemf.read import Content3MF, check_threemf, read_threemf
+from fabrication.formats.threemf.write import Body3MF, Item3MF, threemf_bytes, write_threemf
+from fabrication.specs import Check
+
+__all__ = [
+    "FORMAT",
+    "Body3MF",
+    "Content3MF",
+    "Item3MF",
+    "ThreeMF",
+    "check_threemf",
+    "read_threemf",
+    "threemf_bytes",
+    "write_threemf",
+]
+
+PLATES: Final = "plates"
+"""Folder of the print plates."""
+
+
+class ThreeMF(Format):
+    """3MF: a file a part number, and plates/plate_1.3mf, ... where the product is printed."""
+
+    name = "3mf"
+    suffixes = (".3mf",)
+    parts = True
+    needs_to_check = {"lib3mf": "ddgfab[3mf]"}  # noqa: RUF012
+    libraries = ("lib3mf",)
+
+    def write_part(self, path: Path, part: Part, about: About) -> None:
+        """One object."""
+        body = Body3MF(part.number, part.mesh, part.kind.color)
+        path.write_bytes(threemf_bytes([body], title=part.number))
+
+    def check_part(self, path: Path, part: Part) -> list[Check]:
+        """Read back and compared; see `check_threemf`."""
+        return check_threemf(path, [(part.number, part.mesh, 1)])
+
+    def write_whole(self, folder: Path, whole: Whole) -> list[str]:
+        """The print plates: an object a part number, an item a piece."""
+        for path, used, plate in self._plates(folder, whole):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            parts = [whole.parts[number] for number in used]
+            bodies = [Body3MF(p.number, p.mesh, p.kind.color) for p in parts]
+            items = [Item3MF(used.index(number), mark, at) for number, mark, at in plate]
+            path.write_bytes(threemf_bytes(bodies, items, path.stem))
+        return []
+
+    def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
+        """The plates read back and compared."""
+        checks = []
+        for path, used, plate in self._plates(folder, whole):
+            counts = [sum(number == other for other, _, _ in plate) for number in used]
+            expected = [
+                (number, whole.parts[number].mesh, count)
+                for number, count in zip(used, counts, strict=True)
+            ]
+            checks += [
+                Check(f"{path.stem} {c.name}", c.passed, c.value, c.limit)
+                for c in check_threemf(path, expected)
+            ]
+        return checks
+
+    def _plates(
+        self, folder: Path, whole: Whole
+    ) -> Iterator[tuple[Path, list[str], list[Standing]]]:
+        """Path of each plate, its part numbers in their order, and what stands on it."""
+        for place, plate in enumerate(whole.plates, 1):
+            used = list(dict.fromkeys(number for number, _, _ in plate))
+            yield folder / PLATES / f"plate_{place}.3mf", used, list(plate)
+
+    def inspect(self, path: Path) -> FileReport:
+        """Its meshes; placements are taken as rigid motions."""
+        content = read_threemf(path)
+        found = [
+            (body.name, placed, body.mesh)
+            for body, placed in zip(content.bodies, content.placed, strict=True)
+        ]
+        return mesh_report(path, "3MF", content.unit, found)
+
+
+FORMAT: Final = ThreeMF()
