@@ -21,11 +21,13 @@ TRIANGLES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 TETRAHEDRON = TriangleMesh(CORNERS, TRIANGLES)
 
 
-def threemf(path: Path, build: str, *, unit: str = "centimeter", extra: str = "") -> Path:
+def threemf(
+    path: Path, build: str, *, unit: str = "centimeter", extra: str = "", prolog: str = ""
+) -> Path:
     vertices = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in CORNERS)
     triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in TRIANGLES)
     text = (
-        f'<?xml version="1.0" encoding="UTF-8"?><model unit="{unit}" xmlns='
+        f'<?xml version="1.0" encoding="UTF-8"?>{prolog}<model unit="{unit}" xmlns='
         '"http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>'
         f'<object id="1" type="model" name="pin"><mesh><vertices>{vertices}</vertices>'
         f"<triangles>{triangles}</triangles></mesh></object>{extra}</resources>"
@@ -83,6 +85,7 @@ def test_broken_3mfs_are_refused(tmp_path: Path) -> None:
     for path in (
         threemf(tmp_path / "a.3mf", "", extra=ring),
         threemf(tmp_path / "b.3mf", "", unit="cubit"),
+        threemf(tmp_path / "c.3mf", "", prolog='<!DOCTYPE model [<!ENTITY x "pin">]>'),
     ):
         with pytest.raises(InputError, match=rf"{path.name}: not a readable 3MF"):
             inspect_file(path)
