@@ -25,6 +25,29 @@ INSIDE_FUNCTIONS_ONLY = {
     "plotly",
     "rectpack",
 }
+# A room (module or folder) of ddgfab may import itself and the rooms before it.
+GEOMETRY_ROOMS = [
+    "errors",
+    "suggest",
+    "tolerances",
+    "mesh",
+    "grid",
+    "net",
+    "trees",
+    "quads",
+    "circles",
+    "io",
+    "measures",
+    "curvature",
+    "surfaces",
+    "support",
+    "offsets",
+    "nets",
+    "transforms",
+    "optimize",
+    "forms",
+    "linkages",
+]
 # A room of fabrication may import itself and the rooms before it.
 ROOMS = [
     "boundary",
@@ -63,8 +86,8 @@ def imports(tree: ast.AST) -> Iterator[tuple[int, str]]:
             yield from ((node.lineno, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and not node.level:
             yield node.lineno, node.module or ""
-            if node.module == "fabrication":
-                yield from ((node.lineno, f"fabrication.{alias.name}") for alias in node.names)
+            if node.module in ("ddgfab", "fabrication"):
+                yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
 
 
 def module_level(tree: ast.Module) -> Iterator[tuple[int, str]]:
@@ -81,6 +104,8 @@ def offences(path: Path) -> Iterator[str]:
     tree = ast.parse(path.read_text(encoding="utf-8"))
     where = path.relative_to(ROOT)
     package, room = where.parts[0], where.parts[1].removesuffix(".py")
+    if package == "ddgfab" and room not in ("__init__", *GEOMETRY_ROOMS):
+        yield f"{where}:1: room {room} has no place in GEOMETRY_ROOMS"
     for line, name in imports(tree):
         top = name.split(".")[0]
         if top == "__future__" or not name:
@@ -88,16 +113,48 @@ def offences(path: Path) -> Iterator[str]:
         outside = top not in GEOMETRY_MAY_IMPORT and top not in sys.stdlib_module_names
         if package == "ddgfab" and outside:
             yield f"{where}:{line}: ddgfab imports {name}"
-        if package == "fabrication" and top == "fabrication" and "." in name:
+        if package == top and "." in name:
             target = name.split(".")[1]
-            known = room in ROOMS and target in ROOMS
-            if known and ROOMS.index(target) > ROOMS.index(room):
+            rooms = GEOMETRY_ROOMS if package == "ddgfab" else ROOMS
+            known = room in rooms and target in rooms
+            if known and rooms.index(target) > rooms.index(room):
                 yield f"{where}:{line}: room {room} imports the later room {target}"
             if room != target and {room, target} <= PRODUCTS:
                 yield f"{where}:{line}: product {room} imports product {target}"
     for line, name in module_level(tree):
         if name.split(".")[0] in INSIDE_FUNCTIONS_ONLY:
             yield f"{where}:{line}: {name} imported at module level"
+
+
+def circles(package: Path) -> Iterator[str]:
+    """One line of text for each circle of modules that import each other outside functions."""
+    files = {
+        ".".join(path.relative_to(package.parent).with_suffix("").parts).removesuffix(
+            ".__init__"
+        ): path
+        for path in package.rglob("*.py")
+    }
+    graph: dict[str, set[str]] = {}
+    for name, path in files.items():
+        graph[name] = set()
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.FunctionDef | ast.ClassDef):
+                continue
+            for part in ast.walk(node):
+                if isinstance(part, ast.ImportFrom) and part.module in files:
+                    inner = {f"{part.module}.{alias.name}" for alias in part.names}
+                    graph[name] |= (inner & files.keys()) or {part.module}
+    waiting = dict(graph)
+    while free := [name for name, after in waiting.items() if not after & waiting.keys()]:
+        for name in free:
+            del waiting[name]
+    while free := [
+        name for name in waiting if not any(name in after for after in waiting.values())
+    ]:
+        for name in free:
+            del waiting[name]
+    if waiting:
+        yield f"modules of {package.name} import each other in a circle: {', '.join(waiting)}"
 
 
 def main() -> int:
@@ -108,6 +165,7 @@ def main() -> int:
         for path in sorted((ROOT / package).rglob("*.py"))
         for text in offences(path)
     ]
+    found += circles(ROOT / "ddgfab")
     print("\n".join(found) or "imports point one way")
     return 1 if found else 0
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ddgfab.linkages import Mechanism, knet_mechanism
 from ddgfab.linkages.lattice import Lattice
-from ddgfab.nets.knet.dini import of_normals
+from ddgfab.nets.knet.dini_net import of_normals
 from fabrication.linkage.bodies import bodies
 from fabrication.linkage.detail import detail_linkage
 from fabrication.linkage.settings import settings_for

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.metadata import PackageNotFoundError, version
+
 from ddgfab.errors import DdgError
 from ddgfab.io import read_mesh, write_obj
 from ddgfab.measures import inspect
@@ -14,8 +16,14 @@ __all__ = [
     "Mesh",
     "Net",
     "SupportStructure",
+    "__version__",
     "inspect",
     "read_mesh",
     "support_structure",
     "write_obj",
 ]
+
+try:
+    __version__ = version("ddgfab")
+except PackageNotFoundError:  # a source tree that is not installed
+    __version__ = "0+source"

@@ -6,11 +6,11 @@ A form is a module: the net of points it is made of, and the generator with its 
 from __future__ import annotations
 
 from ddgfab.forms.canal import canal_circles, canal_net
-from ddgfab.forms.canopy import canopy
-from ddgfab.forms.monge import monge, profile_polyline
+from ddgfab.forms.monge_surface import monge, profile_polyline
 from ddgfab.forms.moulding import moulding_net
 from ddgfab.forms.registry import generate, kinds
 from ddgfab.forms.rotational import rotational_net
+from ddgfab.forms.station_canopy import canopy
 from ddgfab.forms.translation import translation_net
 
 __all__ = [

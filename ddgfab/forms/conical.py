@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from ddgfab.forms.canopy import canopy_net
 from ddgfab.forms.generators import About, generator
 from ddgfab.forms.placing import checked_forward, grounded
+from ddgfab.forms.station_canopy import canopy_net
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Mesh
 from ddgfab.nets.conical import circular_to_conical

@@ -83,7 +83,7 @@ def amsler_roof(
     DegenerateError
         A net that folds up; names the cell.
 
-    Source: `ddgfab.nets.knet.amsler.amsler`, one for each quadrant; mathematics.md 3.14.
+    Source: `ddgfab.nets.knet.amsler_net.amsler`, one for each quadrant; mathematics.md 3.14.
     """
     delta = np.radians(twist_deg)
     points = crossing_lines(

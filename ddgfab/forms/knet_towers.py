@@ -13,10 +13,10 @@ from ddgfab.errors import DegenerateError
 from ddgfab.forms.generators import About, generator
 from ddgfab.forms.knet_sheets import band_mesh, levelled, ring_mesh, roof, round_tower
 from ddgfab.mesh import Mesh
-from ddgfab.nets.knet.breather import breather
+from ddgfab.nets.knet.breather_net import breather
 from ddgfab.nets.knet.crab import crab_net
-from ddgfab.nets.knet.dini import dini, pseudosphere
-from ddgfab.nets.knet.kuen import kuen
+from ddgfab.nets.knet.dini_net import dini, pseudosphere
+from ddgfab.nets.knet.kuen_net import kuen
 
 BAR_TEXT = "length of every bar, node to node"
 TWIST_TEXT = "twist of every bar: the angle between the normals at its ends"
@@ -83,7 +83,7 @@ def pseudosphere_tower(
     ParameterError
         A parameter of the wrong type or beyond its limits.
 
-    Source: `ddgfab.nets.knet.dini.pseudosphere`; mathematics.md 3.9.
+    Source: `ddgfab.nets.knet.dini_net.pseudosphere`; mathematics.md 3.9.
     """
     alpha = np.pi / panels_around
     r = bar_mm / np.sin(alpha)
@@ -115,7 +115,7 @@ def dini_ramp(
     ParameterError
         A parameter of the wrong type or beyond its limits.
 
-    Source: `ddgfab.nets.knet.dini.dini`; mathematics.md 3.9 with A B = 1.
+    Source: `ddgfab.nets.knet.dini_net.dini`; mathematics.md 3.9 with A B = 1.
     """
     sigma = np.radians(90.0 - pitch_deg)
     ratio = np.tan(0.5 * sigma) ** 2
@@ -155,7 +155,7 @@ def breather_sheet(
     ParameterError
         A parameter of the wrong type or beyond its limits.
 
-    Source: `ddgfab.nets.knet.breather.breather`; mathematics.md 3.12.
+    Source: `ddgfab.nets.knet.breather_net.breather`; mathematics.md 3.12.
     """
     delta, side = np.radians(twist_deg), (rows + 2) // 2
     tau = float(np.arctanh(waves))
@@ -193,7 +193,7 @@ def kuen_tower(
     ParameterError
         A parameter of the wrong type or beyond its limits.
 
-    Source: `ddgfab.nets.knet.kuen.kuen`; mathematics.md 3.12 with tau -> 0.
+    Source: `ddgfab.nets.knet.kuen_net.kuen`; mathematics.md 3.12 with tau -> 0.
     """
     delta, side = np.radians(twist_deg), (rows + 2) // 2
     angles = np.full(panels_along + side, delta)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.forms.generators import About, generator
-from ddgfab.forms.monge import monge, profile_polyline
+from ddgfab.forms.monge_surface import monge, profile_polyline
 from ddgfab.forms.placing import checked_forward, grounded
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh

@@ -9,16 +9,16 @@ from typing import Any
 # Imported for their entries in GENERATORS, in the order of the list that people see.
 from ddgfab.forms import (  # noqa: F401
     canal,
-    canopy,
     conical,
     cyclide,
     knet_roofs,
     knet_towers,
     koebe,
     minimal,
-    monge,
+    monge_surface,
     moulding,
     rotational,
+    station_canopy,
     translation,
 )
 from ddgfab.forms.generators import GENERATORS, Generator, ParameterError, nearest_of

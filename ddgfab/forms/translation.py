@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.forms.generators import About, generator
-from ddgfab.forms.monge import profile_polyline
+from ddgfab.forms.monge_surface import profile_polyline
 from ddgfab.forms.placing import arc_angles, grounded
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh

@@ -14,7 +14,7 @@ from ddgfab.io.obj import parse_obj, write_obj
 from ddgfab.io.off import parse_off, write_off
 from ddgfab.io.ply import parse_ply, write_ply
 from ddgfab.io.raw import LIMIT_BYTES, RawMesh, load_bytes
-from ddgfab.io.repair import repair
+from ddgfab.io.repairs import repair
 from ddgfab.mesh import Mesh
 
 __all__ = [

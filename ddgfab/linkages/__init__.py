@@ -1,11 +1,11 @@
 """Linkages: kinematics of Bennett isograms, cubes, whole K-nets and closed rotational nets."""
 
-from ddgfab.linkages.bennett import bennett
 from ddgfab.linkages.crab import crab_mechanism
-from ddgfab.linkages.cube import cube
-from ddgfab.linkages.flex import flex
+from ddgfab.linkages.instant_mobility import mobility
+from ddgfab.linkages.isogram import bennett
+from ddgfab.linkages.isogram_cube import cube
+from ddgfab.linkages.knet_flex import flex
 from ddgfab.linkages.mechanism import Mechanism, Pose, bar_lengths, signed_twists
-from ddgfab.linkages.mobility import mobility
 from ddgfab.linkages.whole import knet_mechanism
 
 __all__ = [

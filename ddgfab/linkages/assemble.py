@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ddgfab.linkages.grid import Grid
+from ddgfab.linkages.instant_mobility import mobility
 from ddgfab.linkages.mechanism import Drive, Mechanism, Pose, bar_lengths, signed_twists
-from ddgfab.linkages.mobility import mobility
 from ddgfab.mesh import Floats, Ints
 from ddgfab.nets.knet.net import oriented_angle
 

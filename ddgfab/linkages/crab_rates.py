@@ -7,21 +7,49 @@ of sines of theta_k +- theta_k+1. Source: mathematics.md 3.13.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
+from ddgfab.linkages.cauchy import Numbers
 from ddgfab.linkages.frames import angular_velocity, frames_and_rates
+from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Bounds
 from ddgfab.linkages.models import DISC, ORDER, WIDER, Model, closing, product
 from ddgfab.mesh import Floats
 
-if TYPE_CHECKING:
-    from ddgfab.linkages.crab import CrabDrive
-    from ddgfab.linkages.grid import Grid
+
+class MovingRings(Protocol):
+    """What the bounds read of rings of hinges; see `ddgfab.linkages.crab.CrabDrive`."""
+
+    @property
+    def n_fold(self) -> int:
+        """Hinges of a ring."""
+
+    @property
+    def rings(self) -> int:
+        """Number of rings."""
+
+    @property
+    def delta(self) -> float:
+        """Normal angle of the bars [rad]."""
+
+    @property
+    def r(self) -> float:
+        """Scale [mm]."""
+
+    @property
+    def gamma(self) -> float:
+        """Half the angle between the hinges of a ring about the axis [rad]."""
+
+    def thetas(self, ts: Numbers) -> Numbers:
+        """(rings, T) angles of the hinge axes with the axis of the net; analytic in t."""
+
+    def place(self, ts: Numbers) -> tuple[Numbers, Numbers]:
+        """Points and axes, (T, V, 3) each."""
 
 
-def crab_bounds(drive: CrabDrive, grid: Grid, ts: Floats, half: Floats) -> Bounds:
+def crab_bounds(drive: MovingRings, grid: Grid, ts: Floats, half: Floats) -> Bounds:
     """Bounds over |t - ts| <= half in the frame of the net's axis; proven up to rounding."""
     models = _models(drive, ts, half)
     first, second = zip(*(model.speeds(half) for model in models), strict=True)
@@ -42,7 +70,7 @@ def crab_bounds(drive: CrabDrive, grid: Grid, ts: Floats, half: Floats) -> Bound
     return Bounds(acceleration, spin_rate, now + half[:, None] * spin_rate)
 
 
-def _models(drive: CrabDrive, ts: Floats, half: Floats) -> list[Model]:
+def _models(drive: MovingRings, ts: Floats, half: Floats) -> list[Model]:
     """Models of theta_0, theta_1, ..."""
     c = float(np.cos(drive.gamma))
     middles = drive.thetas(ts)
@@ -56,7 +84,7 @@ def _models(drive: CrabDrive, ts: Floats, half: Floats) -> list[Model]:
     return out
 
 
-def _second(drive: CrabDrive, ts: Floats, half: Floats) -> Model:
+def _second(drive: MovingRings, ts: Floats, half: Floats) -> Model:
     """Model of y = acos(cos(delta) / M), M^2 = A + B cos(2 theta_0).
 
     dy/dtheta = -cos(delta) B sin(2 theta) / (M^2 sqrt(M^2 - cos(delta)^2)).
@@ -110,7 +138,7 @@ def power(series: Floats, exponent: float) -> Floats:
     return out
 
 
-def _accelerations(drive: CrabDrive, models: list[Model], half: Floats) -> Floats:
+def _accelerations(drive: MovingRings, models: list[Model], half: Floats) -> Floats:
     """(rings, T) bounds of |x''| of the hinges [mm].
 
     r sin(gamma) = (1 + c)/2 sin(m) +- (1 - c)/2 sin(p) and the rise of a level is

@@ -9,11 +9,11 @@ Source: mathematics.md 3.7; the chain of angular velocities of rigid bodies.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
-from ddgfab.linkages.cauchy import points_of
+from ddgfab.linkages.cauchy import Numbers, points_of
 from ddgfab.linkages.frames import angular_velocity, frames_and_rates
 from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Bounds
@@ -21,15 +21,46 @@ from ddgfab.linkages.models import TINY, Model, closing
 from ddgfab.mesh import Floats
 from ddgfab.nets.knet.net import oriented_angle
 
-if TYPE_CHECKING:
-    from ddgfab.linkages.lattice import Lattice
-
 Vertex = tuple[int, ...]
 Arm = tuple[int, int]
 """Direction and sense (+1, -1) of a bar that leaves a vertex."""
 
 
-def lattice_bounds(lattice: Lattice, ts: Floats, half: Floats) -> Bounds:
+class MovingNet(Protocol):
+    """What the bounds read of a K-net on a box; see `ddgfab.linkages.lattice.Lattice`."""
+
+    @property
+    def deltas(self) -> tuple[Floats, ...]:
+        """Per direction, angles of consecutive normals [rad]."""
+
+    @property
+    def r(self) -> float:
+        """Scale [mm]."""
+
+    @property
+    def anchor(self) -> tuple[int, ...]:
+        """Index of the vertex that does not move."""
+
+    @property
+    def turn_rates(self) -> tuple[Floats, ...]:
+        """Per direction, derivatives of the turns by the driving angle."""
+
+    @property
+    def corner_rates(self) -> Floats:
+        """Derivatives of the corner angles by the driving angle."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of vertices in each direction."""
+
+    def lelieuvre(self, ts: Numbers) -> Numbers:
+        """(n1, ..., nd, T, 3) unit field m, analytic in t."""
+
+    def place(self, ts: Numbers) -> tuple[Numbers, Numbers]:
+        """Points and axes, (T, V, 3) each."""
+
+
+def lattice_bounds(lattice: MovingNet, ts: Floats, half: Floats) -> Bounds:
     """Bounds over |t - ts| <= half in the lattice's own frame; proven up to rounding."""
     spread = _Spread(lattice, ts, half)
     return spread.bounds()
@@ -38,7 +69,7 @@ def lattice_bounds(lattice: Lattice, ts: Floats, half: Floats) -> Bounds:
 class _Spread:
     """Models of all angles between neighbouring bars, hinge by hinge away from the anchor."""
 
-    def __init__(self, lattice: Lattice, ts: Floats, half: Floats) -> None:
+    def __init__(self, lattice: MovingNet, ts: Floats, half: Floats) -> None:
         self.lattice, self.half, self.count = lattice, half, len(ts)
         self.shape, self.anchor = lattice.shape, lattice.anchor
         self.d = len(self.shape)

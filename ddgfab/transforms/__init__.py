@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from ddgfab.transforms.baecklund import baecklund, baecklund_from, baecklund_lattice, bianchi
+from ddgfab.transforms.baecklund_transform import (
+    baecklund,
+    baecklund_from,
+    baecklund_lattice,
+    bianchi,
+)
 from ddgfab.transforms.christoffel import christoffel_dual
-from ddgfab.transforms.darboux import darboux, darboux_common, darboux_dual
+from ddgfab.transforms.darboux_transform import darboux, darboux_common, darboux_dual
 from ddgfab.transforms.moebius import Moebius, invert, invert_normals
 from ddgfab.transforms.parallel import (
     combescure,

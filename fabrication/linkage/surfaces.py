@@ -11,10 +11,10 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.knet import KNet, knet
-from ddgfab.nets.knet.amsler import amsler
-from ddgfab.nets.knet.breather import breather
-from ddgfab.nets.knet.dini import dini, pseudosphere
-from ddgfab.nets.knet.kuen import kuen
+from ddgfab.nets.knet.amsler_net import amsler
+from ddgfab.nets.knet.breather_net import breather
+from ddgfab.nets.knet.dini_net import dini, pseudosphere
+from ddgfab.nets.knet.kuen_net import kuen
 from ddgfab.suggest import suggestion
 
 Numbers = Mapping[str, float]

@@ -8,7 +8,7 @@ import pytest
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages import Pose, bennett, crab_mechanism, cube, flex, knet_mechanism, mobility
 from ddgfab.linkages.grid import Grid
-from ddgfab.linkages.mobility import _kernel, linkage_jacobian
+from ddgfab.linkages.instant_mobility import _kernel, linkage_jacobian
 from ddgfab.nets.knet.crab import crab_net
 from ddgfab.nets.knet.net import KNet, knet
 

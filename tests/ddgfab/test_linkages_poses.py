@@ -19,7 +19,7 @@ from ddgfab.linkages import (
 )
 from ddgfab.linkages.assemble import crossings, isogram_angles
 from ddgfab.nets.knet.crab import crab_net
-from ddgfab.nets.knet.dini import dini
+from ddgfab.nets.knet.dini_net import dini
 from ddgfab.nets.knet.net import KNet, knet
 
 EXACT = 1e-12

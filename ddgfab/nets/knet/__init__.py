@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ddgfab.nets.knet.amsler import amsler
+from ddgfab.nets.knet.amsler_net import amsler
 from ddgfab.nets.knet.angles import (
     angle_coefficient,
     angle_relation_defect,
@@ -14,10 +14,10 @@ from ddgfab.nets.knet.angles import (
     quad_angles,
     vertex_angle_defect,
 )
-from ddgfab.nets.knet.breather import breather
+from ddgfab.nets.knet.breather_net import breather
 from ddgfab.nets.knet.crab import CrabNet, crab_net, string_forces, string_tensions
-from ddgfab.nets.knet.dini import dini, pseudosphere, vacuum
-from ddgfab.nets.knet.kuen import kuen
+from ddgfab.nets.knet.dini_net import dini, pseudosphere, vacuum
+from ddgfab.nets.knet.kuen_net import kuen
 from ddgfab.nets.knet.net import CauchyData, KNet, knet, oriented_angle
 from ddgfab.nets.knet.quad import SkewParallelogram, skew_parallelogram
 from ddgfab.nets.knet.recover import KNetRecovery, knet_from_mesh, recover_knet

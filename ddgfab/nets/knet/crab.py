@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.nets.knet.dini import of_normals
+from ddgfab.nets.knet.dini_net import of_normals
 from ddgfab.nets.knet.net import KNet, refuse_angles
 from ddgfab.quads import finite, whole
 from ddgfab.tolerances import RELATIVE_DEGENERATE

@@ -12,7 +12,7 @@ from typing import Annotated
 import numpy as np
 
 from ddgfab.forms.generators import About, generator
-from ddgfab.forms.monge import level_start, monge, profile_polyline
+from ddgfab.forms.monge_surface import level_start, monge, profile_polyline
 from ddgfab.forms.placing import checked_forward, grounded
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh

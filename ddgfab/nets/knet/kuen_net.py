@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
-from ddgfab.nets.knet.dini import of_normals, segment, vacuum
+from ddgfab.nets.knet.dini_net import of_normals, segment, vacuum
 from ddgfab.nets.knet.net import KNet
 from ddgfab.surfaces.k_surfaces import double_transform
 

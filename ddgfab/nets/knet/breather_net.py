@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
-from ddgfab.nets.knet.dini import of_normals, segment, transform_of_vacuum, vacuum
+from ddgfab.nets.knet.dini_net import of_normals, segment, transform_of_vacuum, vacuum
 from ddgfab.nets.knet.net import KNet
 from ddgfab.quads import Place
 from ddgfab.tolerances import RELATIVE_DEGENERATE
