@@ -35,7 +35,9 @@ class Constraints:
     glide: bool
 
     @staticmethod
-    def of(mesh: Mesh, fixed: Sequence[int] | Ints = (), boundary: Boundary = "free") -> Constraints:
+    def of(
+        mesh: Mesh, fixed: Sequence[int] | Ints = (), boundary: Boundary = "free"
+    ) -> Constraints:
         """What is asked for.
 
         Raises
