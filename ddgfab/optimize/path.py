@@ -74,7 +74,8 @@ _COARSE = 1e-3
 _STIFF = 1e9
 """Penalty of the polish."""
 _POLISH, _HALVINGS = 8, 12
-_BISECTIONS = 12
+_ROOT_STEPS, _ROOT_WIDTH = 40, 1e-13
+"""Steps and accuracy of the search for where the tolerance is met."""
 
 
 class _Walker:
@@ -248,14 +249,27 @@ _GIVE_UP = 1e6
 def _back_off(
     merit: Merit, violation: Callable[[Floats], float], tolerance: float, ends: list[Waypoint]
 ) -> Floats:
-    """Between the ends of the last two stages, the first that meets the tolerance."""
-    first, last = ends[-2].x, ends[-1].x
-    low, high, best = 0.0, 1.0, last
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        x = first + middle * (last - first)
-        if violation(x) <= tolerance and merit.possible(x):
-            high, best = middle, x
+    """Between the ends of the last two stages, where the tolerance is met, to rounding.
+
+    By false position (Illinois); so the result does not depend on which side rounding falls.
+    """
+    first, last = ends[-2], ends[-1]
+    low, high = 0.0, 1.0
+    above, below = first.violation - tolerance, last.violation - tolerance
+    best = last.x
+    side = 0
+    for _ in range(_ROOT_STEPS):
+        if high - low < _ROOT_WIDTH or not below < 0 < above:
+            break
+        middle = (low * below - high * above) / (below - above)
+        x = first.x + middle * (last.x - first.x)
+        value = violation(x) - tolerance
+        if value <= 0:
+            high, below, best = middle, value, x
+            above /= 2 if side < 0 else 1
+            side = -1
         else:
-            low = middle
-    return best
+            low, above = middle, value
+            below /= 2 if side > 0 else 1
+            side = 1
+    return best if merit.possible(best) else last.x
