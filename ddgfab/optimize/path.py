@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats
@@ -116,9 +117,9 @@ class _Walker:
             self.damping = max(_HEAVIER * self.damping, _HEAVY)
         return 0.0, 0.0
 
-    def _solved(self, matrix: object, right: Floats) -> Floats | None:
+    def _solved(self, matrix: csr_array, right: Floats) -> Floats | None:
         try:
-            move = self.solver.factor(damped(matrix, max(self.damping, _DAMPING)))(right)  # type: ignore[arg-type]
+            move = self.solver.factor(damped(matrix, max(self.damping, _DAMPING)))(right)
         except DegenerateError:
             return None
         return move if np.isfinite(move).all() else None
