@@ -28,7 +28,7 @@ from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.optimize import Quality, RecipeOptions, folded_faces, mean_edge, planarize
+from ddgfab.optimize import Keep, Quality, folded_faces, mean_edge, optimize
 
 MESHES = Path(__file__).resolve().parents[2] / "shared" / "data" / "meshes"
 FILES = ("heart", "botanic_garden_bubble", "helical_minimal")
@@ -84,20 +84,19 @@ def mesh_named(name: str) -> Mesh:
 
 # --- methods: mesh -> vertices, seconds ----------------------------------------------------------
 def ours(mesh: Mesh) -> tuple[Floats, float, str]:
-    """`planarize` with all defaults, on scipy."""
-    return planarized(mesh, RecipeOptions(backend="scipy"))
+    """`optimize` with all defaults, faces planar to rounding."""
+    return planarized(mesh, "balanced")
 
 
 def gentle(mesh: Mesh) -> tuple[Floats, float, str]:
-    """The same without a wish for angles and smoothness: as little movement as it takes."""
-    loose = RecipeOptions(angle_slack=np.pi, sharpest=0.0, roughness_slack=1e9, backend="scipy")
-    return planarized(mesh, loose)
+    """The same, as close to the surface as it can be."""
+    return planarized(mesh, "close")
 
 
-def planarized(mesh: Mesh, options: RecipeOptions) -> tuple[Floats, float, str]:
-    """`planarize`, timed."""
+def planarized(mesh: Mesh, keep: Keep) -> tuple[Floats, float, str]:
+    """`optimize`, timed."""
     begin = time.perf_counter()
-    result = planarize(mesh, options=options, throw=False)
+    result = optimize(mesh, flat=0, keep=keep, throw=False)
     seconds = time.perf_counter() - begin
     refused = ["refused"] if result.status != "converged" else []
     words = "; ".join([*refused, *(line.split(":")[0] for line in result.remarks)])

@@ -35,7 +35,7 @@ from fabrication.job.part import (
 )
 from fabrication.job.pool import Workers, worker_pool
 from fabrication.job.problems import problems_of
-from fabrication.pictures.deviation import write_deviation
+from fabrication.pictures.change import write_change
 from fabrication.progress import Progress
 from fabrication.records import CHORD_MM, clearances, part_records, part_settings
 from fabrication.specs import Check, Family
@@ -165,7 +165,7 @@ class _Job:
         reading += [self.pool.submit(verify_parts, task) for task in tasks[len(tasks) // 3 :]]
         with self._timed("schedules"):
             self._write_schedules(parts)
-            self._write_deviation()
+            self._write_change()
         with self._timed("waiting for the other processes"):
             found = self._collect(reading)
             extra = self._collect_assembly(assembly)
@@ -306,15 +306,15 @@ class _Job:
             rows = {name: table.rows for name, table in tables.items()}
             write_xlsx(folder / "schedule.xlsx", rows)
 
-    def _write_deviation(self) -> None:
-        """A picture of how far [optimize] moved the net, where it did."""
+    def _write_change(self) -> None:
+        """A picture of what [optimize] did to the net."""
         moved = self.design.optimized
         if moved is None:
             return
         try:
-            write_deviation(self.staging / "deviation.png", moved.mesh, moved.movement)
+            write_change(self.staging / "optimized.png", moved.change)
         except OutputError as error:
-            self.warnings.append(f"no deviation.png: {error}")
+            self.warnings.append(f"no optimized.png: {error}")
 
     def _draw(self, parts: Sequence[PartResult], failed: set[str]) -> Future[Any]:
         """Start model.glb and preview.png."""

@@ -1,40 +1,48 @@
-"""Optimisation: terms on the vertices of a mesh, solved together, and recipes made of them."""
+"""Optimization: an energy that keeps the design, equations of a goal, and the path between them."""
 
 from __future__ import annotations
 
 from ddgfab.measures import interior_angles
+from ddgfab.optimize.change import Change
+from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.families import FamiliesResult, families
-from ddgfab.optimize.goals import Goal, optimize
+from ddgfab.optimize.forecast import forecast_text
+from ddgfab.optimize.goals import Goal, expected, optimize
+from ddgfab.optimize.limits import Limits
+from ddgfab.optimize.path import PathOptions
 from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
 from ddgfab.optimize.quality import Quality, folded_faces, roughness
-from ddgfab.optimize.recipes import Boundary, circularize, conicalize, planarize
-from ddgfab.optimize.result import OptimizeResult
+from ddgfab.optimize.result import Forecast, OptimizeResult, Price
+from ddgfab.optimize.rim import Boundary
 from ddgfab.optimize.solve import Solution, SolveOptions, Step, polish, solve
 from ddgfab.optimize.torsion_free import TorsionFreeResult, torsion_free
-from ddgfab.optimize.trials import RecipeOptions
 
 __all__ = [
     "Boundary",
+    "Change",
     "FamiliesResult",
+    "Forecast",
     "Goal",
+    "Keep",
     "Layout",
+    "Limits",
     "OptimizeResult",
+    "PathOptions",
+    "Price",
     "Problem",
     "Quality",
-    "RecipeOptions",
     "Solution",
     "SolveOptions",
     "Step",
     "Term",
     "TorsionFreeResult",
-    "circularize",
-    "conicalize",
+    "expected",
     "families",
     "folded_faces",
+    "forecast_text",
     "interior_angles",
     "mean_edge",
     "optimize",
-    "planarize",
     "polish",
     "roughness",
     "solve",

@@ -1,104 +1,182 @@
-"""optimize: a recipe by the name of its goal, with the limits that every goal shares."""
+"""The goals of `optimize`, a line each, and the one entry to all of them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 
 from ddgfab.errors import InputError, OptimizeError
 from ddgfab.measures import dihedral_angles
 from ddgfab.mesh import Ints, Mesh
+from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.families import families
-from ddgfab.optimize.recipes import Boundary, circularize, conicalize, planarize
-from ddgfab.optimize.result import OptimizeResult
-from ddgfab.optimize.solve import Step
+from ddgfab.optimize.forecast import forecast_of
+from ddgfab.optimize.frame import Frame
+from ddgfab.optimize.limits import Limits, named
+from ddgfab.optimize.nets import NetGoal, StageProgress, net_problem, reach
+from ddgfab.optimize.result import Forecast, OptimizeResult
+from ddgfab.optimize.rim import Boundary
+from ddgfab.optimize.terms import (
+    circularity_terms,
+    cone_terms,
+    conicality_terms,
+    planarity_terms,
+)
 from ddgfab.optimize.torsion_free import torsion_free
-from ddgfab.optimize.trials import RecipeOptions
+
+FLAT_PERCENT: Final = 0.2
+"""How flat faces are made by default: what a pane of glass takes up."""
+
+PLANAR: Final = NetGoal(
+    "planar",
+    lambda m: (*planarity_terms(m),),
+    FLAT_PERCENT,
+    "Liu, Pottmann, Wallner, Yang, Wang 2006, section 3; mathematics.md 8.5",
+)
+CIRCULAR: Final = NetGoal(
+    "circular",
+    lambda m: (*planarity_terms(m), *circularity_terms(m)),
+    0.0,
+    "Bobenko, Suris, Discrete Differential Geometry, 3.1; mathematics.md 2",
+    convex=True,
+)
+CONICAL: Final = NetGoal(
+    "conical",
+    lambda m: (*planarity_terms(m), *conicality_terms(m), *cone_terms(m)),
+    0.0,
+    "Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; mathematics.md 2.9",
+    convex=True,
+)
+
+NET_GOALS: Final[dict[str, NetGoal]] = {g.name: g for g in (PLANAR, CIRCULAR, CONICAL)}
+"""Goals that are equations on the vertices: a new one is a term and a line here."""
+
+OTHER_GOALS: Final[dict[str, Callable[..., OptimizeResult]]] = {
+    "torsion-free": torsion_free,
+    "families": families,
+}
+"""Goals that find something besides the vertices."""
 
 Goal: TypeAlias = Literal["planar", "circular", "conical", "torsion-free", "families"]
 """What a mesh can be made: planar faces, a circular net, a conical net, planar faces with upright
 torsion-free node axes, fewer families of congruent pieces."""
-
-_RECIPES: dict[str, Callable[..., OptimizeResult]] = {
-    "planar": planarize,
-    "circular": circularize,
-    "conical": conicalize,
-    "torsion-free": torsion_free,
-    "families": families,
-}
-
-_AIMS_AT_MOVEMENT = ("torsion-free", "families")
-"""Recipes that take the greatest movement as a goal of their own."""
 
 
 def optimize(
     mesh: Mesh,
     goal: Goal = "planar",
     *,
+    flat: float | None = None,
+    keep: Keep | float = "balanced",
     fixed: Sequence[int] | Ints = (),
     boundary: Boundary = "free",
+    surface: Mesh | None = None,
     feature_angle: float | None = None,
     max_movement: float | None = None,
+    distance_limit: tuple[float, float] | None = None,
     throw: bool = True,
-    progress: Callable[[str, int, Step], None] | None = None,
+    progress: StageProgress | None = None,
     **options: Any,
 ) -> OptimizeResult:
-    """Optimise a mesh towards a goal, close to where it is.
+    """Optimize a mesh towards a goal, as near to its surface as possible and without folds.
 
     Parameters
     ----------
+    mesh : Mesh
     goal : "planar", "circular", "conical", "torsion-free", "families"
+    flat : float, optional
+        How far faces may be from planar [%, distance of the diagonals over their mean]; by default
+        0.2 for "planar", 0 (exact) for the others. For circular and conical nets angles may be off
+        by the same part of a radian.
+    keep : "close", "balanced", "fair" or a number
+        What a design keeps rather: its surface, or smooth faces. A number is the wavelength from
+        which distance costs more than bending, as part of the width of the mesh (0.2, 0.33, 0.5).
     fixed : ids of vertices that stay
     boundary : "free", "glide" along itself, or "fixed"
-    feature_angle : edges whose faces meet at a larger angle [rad] are features, across which the
-        surface need not stay smooth
-    max_movement : greatest movement of a vertex, in the unit of the mesh
+    surface : Mesh, optional
+        What to stay near to; the mesh itself by default.
+    feature_angle : float, optional
+        Edges whose faces meet at a larger angle [rad] are features, across which the movement need
+        not be smooth.
+    max_movement : float, optional
+        Greatest movement of a vertex, in the unit of the mesh.
+    distance_limit : (mean, greatest), optional
+        Greatest distances between result and surface, both ways, in mean edges: (0.25, 1.0).
     throw : raise when the goal is missed; otherwise the best mesh comes back with its status
     progress : called with the name of the stage, the number of the step and the step
-    options : what the goal's own recipe takes besides, for instance ``max_lean`` [rad] and
-        ``axes_only`` of "torsion-free", ``of`` and ``fit_tolerance`` of "families"
+    options : what "torsion-free" (``max_lean`` [rad], ``axes_only``) and "families" (``of``,
+        ``fit_tolerance``) take besides
+
+    Returns
+    -------
+    OptimizeResult
 
     Raises
     ------
     OptimizeError
-        The goal is missed, or only met by moving further than `max_movement`; names the worst
-        elements and carries the best mesh as `result`.
+        The goal is missed, a face cannot be planar, or a limit is exceeded; names the worst
+        elements, carries the best mesh as `result` and says what to try next.
     InputError
-        An unknown goal, an id out of range, a limit that is not positive.
+        An unknown goal or option, an id out of range, a limit that is not positive.
 
-    Source: the recipe's own: `planarize`, `circularize`, `conicalize`, `torsion_free`, `families`.
+    Source: planar quads: Liu, Pottmann, Wallner, Yang, Wang 2006; the others name theirs.
     """
-    if goal not in _RECIPES:
+    if goal not in get_args(Goal):
         raise InputError(f'goal "{goal}" is unknown; one of {", ".join(get_args(Goal))}')
-    if max_movement is not None and not max_movement > 0:
-        raise InputError(f"max_movement = {max_movement:g}: more than zero is needed")
+    allowed = Limits(movement=max_movement)
+    if distance_limit is not None:
+        allowed = Limits(*distance_limit, movement=max_movement)
     features = None
     if feature_angle is not None:
         sharp = np.abs(dihedral_angles(mesh)) > feature_angle
         features = np.flatnonzero(sharp & ~mesh.boundary_edge)
-    if goal in _AIMS_AT_MOVEMENT:
-        options["max_movement"] = max_movement
-    elif "options" not in options:
-        options["options"] = RecipeOptions(max_movement=max_movement)
-    result = _RECIPES[goal](
+    if goal in NET_GOALS:
+        return reach(
+            mesh,
+            NET_GOALS[goal],
+            flat_percent=flat,
+            keep=keep,
+            fixed=fixed,
+            boundary=boundary,
+            features=features,
+            surface=surface,
+            limits=allowed,
+            throw=throw,
+            progress=progress,
+            **options,
+        )
+    result = OTHER_GOALS[goal](
         mesh,
         fixed=fixed,
         boundary=boundary,
         features=features,
+        max_movement=max_movement,
         throw=throw,
         progress=progress,
         **options,
     )
     if throw and max_movement is not None and result.movement_max > max_movement:
-        worst = np.argsort(-result.movement, kind="stable")[:3]
-        named = ", ".join(f"{v} ({result.movement[v]:.4g})" for v in worst)
         raise OptimizeError(
-            f'goal "{goal}" moves vertices by up to {result.movement_max:.4g}, the limit is '
-            f"{max_movement:.4g}; furthest: {named}\n"
-            "allow more movement, or change the design where it is furthest from the goal\n"
-            "the best mesh reached is kept apart and not taken",
+            f'goal "{goal}" moves vertices by up to {result.movement_max:.4g} (limit '
+            f"{max_movement:.4g}), most at vertices {named(result.movement)}\n"
+            "allow more movement, or change the design where it is farthest from the goal",
             result=result,
         )
     return result
+
+
+def expected(mesh: Mesh) -> Forecast | None:
+    """What planar faces of a mesh will cost, from one linear solve; None where they are planar.
+
+    Raises
+    ------
+    DegenerateError
+        The system is singular, as on meshes with faces without area.
+    """
+    frame = Frame.of(mesh)
+    small = frame.inside(mesh)
+    if PLANAR.violation(small, small.vertices.ravel()) <= PLANAR.tolerance:
+        return None
+    return forecast_of(net_problem(small, PLANAR), frame.unit, small.vertex_normals)

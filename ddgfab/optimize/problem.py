@@ -7,8 +7,8 @@ the auxiliary blocks a problem adds (node axes, normals, heights). `Layout` tell
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from scipy.sparse import csr_array
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh
+
+if TYPE_CHECKING:
+    from ddgfab.optimize.barriers import Barrier
 
 VERTICES = "vertices"
 """Name of the first block of every layout."""
@@ -44,6 +47,16 @@ class Term(Protocol):
 
     def jacobian(self, x: Floats) -> csr_array:
         """(m, n) derivative; its pattern of entries does not depend on x."""
+        ...
+
+
+class Following(Protocol):
+    """A soft term that follows the unknowns: `at` gives the term to use near a state."""
+
+    @property
+    def weight(self) -> float: ...
+    def at(self, x: Floats) -> Term:
+        """The term at the (n,) unknowns."""
         ...
 
 
@@ -93,6 +106,8 @@ class Problem:
     start : (n,) first values
     scale : (n,) what counts as a step of size one for each unknown: the mean edge for coordinates
     free : (n,) whether an unknown may change
+    following : soft terms that are frozen at each state (nearest points of a surface)
+    barriers : what may never be lost
     """
 
     mesh: Mesh
@@ -101,6 +116,8 @@ class Problem:
     scale: Floats
     free: NDArray[np.bool_]
     terms: tuple[Term, ...] = field(default=())
+    following: tuple[Following, ...] = ()
+    barriers: tuple[Barrier, ...] = ()
 
     @staticmethod
     def build(
@@ -137,13 +154,11 @@ class Problem:
 
     def with_terms(self, *terms: Term) -> Problem:
         """The same problem with further terms."""
-        return Problem(
-            self.mesh, self.layout, self.start, self.scale, self.free, (*self.terms, *terms)
-        )
+        return replace(self, terms=(*self.terms, *terms))
 
     def with_start(self, x: Floats) -> Problem:
         """The same problem from another start."""
-        return Problem(self.mesh, self.layout, x, self.scale, self.free, self.terms)
+        return replace(self, start=x)
 
     def vertices(self, x: Floats) -> Floats:
         """(V, 3) vertices in a vector of unknowns."""

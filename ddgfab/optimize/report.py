@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any, Final
 
 import numpy as np
 
+from ddgfab.optimize.change import Change
 from ddgfab.optimize.families import FamiliesResult
+from ddgfab.optimize.limits import ids
 from ddgfab.optimize.result import OptimizeResult
 from ddgfab.optimize.torsion_free import TorsionFreeResult
 
@@ -14,8 +17,8 @@ WORST: Final = 5
 """How many of the vertices that moved furthest a report names."""
 
 
-TRIED: Final = ("lean_limit_deg", "movement_limit_edges", "lean_deg", "movement_edges")
-"""What each rung of the trade-off between lean and movement says; edges are mean edges."""
+PRICES: Final = 6
+"""How many lines of the price list a report shows."""
 
 
 def comparison(result: OptimizeResult) -> dict[str, Any]:
@@ -31,6 +34,9 @@ def comparison(result: OptimizeResult) -> dict[str, Any]:
         "movement_max": result.movement_max,
         "movement_mean": result.movement_mean,
         "movement_worst": [[int(v), float(result.movement[v])] for v in order],
+        "design": change_numbers(result.change),
+        "prices": [asdict(price) for price in result.prices],
+        "forecast": None if result.forecast is None else asdict(result.forecast),
         **_own(result),
         "remarks": list(result.remarks),
         "before": result.before.to_dict(),
@@ -45,6 +51,67 @@ def comparison(result: OptimizeResult) -> dict[str, Any]:
             for stage, step in result.history
         ],
     }
+
+
+def change_numbers(change: Change) -> dict[str, Any]:
+    """What became of a design, ready for JSON: lengths in the unit of the mesh, angles in degrees.
+
+    Distances are between the result and the surface, the greater of both directions; `out` is from
+    the result to the surface, `back` the other way.
+    """
+    before, after = (np.degrees(a).tolist() for a in change.corner_angles)
+    return {
+        "mean_edge": change.edge,
+        "distance_mean": change.distance_mean,
+        "distance_max": change.distance_max,
+        "distance_out": list(change.distance_out),
+        "distance_back": list(change.distance_back),
+        "rise_kept": change.rise_kept,
+        "volume_kept": change.volume_kept,
+        "crease_deg_p99": float(np.degrees(change.crease[0])),
+        "crease_deg_max": float(np.degrees(change.crease[1])),
+        "corner_angles_deg_before": before,
+        "corner_angles_deg_after": after,
+        "edge_ratio": list(change.edge_ratio),
+        "new_reflex_quads": change.reflex_quads.tolist(),
+        "new_reflex_polygons": change.reflex_polygons.tolist(),
+        "folded_faces": change.folded.tolist(),
+    }
+
+
+def change_lines(result: OptimizeResult) -> list[str]:
+    """What became of a design, for people."""
+    change, unit = result.change, result.after.unit
+    edge = change.edge
+    kept = ", ".join(
+        f"{name} {100 * value:.0f} %"
+        for name, value in (("rise", change.rise_kept), ("volume", change.volume_kept))
+        if value is not None
+    )
+    low, high = change.edge_ratio
+    lines = [
+        f"distance from the surface, both ways: mean {change.distance_mean:.4g} {unit} "
+        f"({change.distance_mean / edge:.3f} mean edges), greatest {change.distance_max:.4g} "
+        f"{unit} ({change.distance_max / edge:.2f})",
+        f"kept: {kept or 'no rise and no volume to compare'}; edges are {low:.2f} to {high:.2f} "
+        "times as long",
+        f"creases: dihedral angles change by {np.degrees(change.crease[0]):.1f} deg at most at 99 "
+        f"of 100 edges, by {np.degrees(change.crease[1]):.1f} deg at the worst",
+    ]
+    for label, faces in (
+        ("quads with new reflex corners", change.reflex_quads),
+        ("larger faces with new reflex corners", change.reflex_polygons),
+        ("folded faces", change.folded),
+    ):
+        if len(faces):
+            lines.append(f"{label}: {len(faces)} ({ids(faces)})")
+    if result.prices:
+        steps = [
+            f"{p.percent:.2g} %: {p.distance_mean:.3g} / {p.distance_max:.3g}"
+            for p in result.prices[-PRICES:]
+        ]
+        lines.append(f"price list, mean / greatest distance [{unit}]: {'; '.join(steps)}")
+    return lines
 
 
 def _own(result: OptimizeResult) -> dict[str, Any]:
@@ -124,6 +191,7 @@ def comparison_text(result: OptimizeResult) -> str:
         f"movement: max {result.movement_max:.4g}, mean {result.movement_mean:.4g} {after.unit}; "
         f"furthest vertices {worst}"
     )
+    lines += change_lines(result)
     lines += _own_lines(result)
     lines.append(f"{len(result.history)} steps, residual {result.residual:.2g}")
     lines += [f"note: {remark}" for remark in result.remarks]

@@ -78,7 +78,9 @@ def _report(plan: Design, result: JobResult, seconds: float) -> None:
         moved = plan.optimized
         typer.echo(
             f"{moved.goal}: vertices moved {moved.movement_max:.1f} mm at most, "
-            f"{moved.movement_mean:.1f} mm on average (deviation.png)"
+            f"{moved.movement_mean:.1f} mm on average; distance from the surface "
+            f"{moved.change.distance_max:.1f} mm at most, {moved.change.distance_mean:.1f} mm on "
+            "average (optimized.png)"
         )
     typer.echo(repr(plan))
     typer.echo(

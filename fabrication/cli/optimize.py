@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from fabrication.cli.common import DONE, FAILED, Debug, app, errors, progress
+from fabrication.cli.common import DONE, FAILED, Debug, app, errors, progress, toml_value
 
 if TYPE_CHECKING:
+    from ddgfab.errors import OptimizeError
     from ddgfab.optimize import OptimizeResult
 
 
@@ -21,6 +23,16 @@ def optimize_command(
     goal: Annotated[
         str, typer.Option(help="planar, circular, conical, torsion-free or families.")
     ] = "planar",
+    flat: Annotated[
+        float | None,
+        typer.Option(help="How far faces may be from planar [%]: 0.2; 0 is exact."),
+    ] = None,
+    keep: Annotated[
+        str, typer.Option(help="close (to the surface), balanced, fair (smooth), or a number.")
+    ] = "balanced",
+    surface: Annotated[
+        Path | None, typer.Option(help="Mesh to stay near to; SOURCE by default.")
+    ] = None,
     boundary: Annotated[str, typer.Option(help="free, glide or fixed.")] = "free",
     fix: Annotated[str, typer.Option(help="Vertices that stay: 0,17,230.")] = "",
     features: Annotated[
@@ -33,15 +45,18 @@ def optimize_command(
         list[str] | None, typer.Option("--set", help="A setting of [optimize]: key=value.")
     ] = None,
     scale: Annotated[float, typer.Option(help="Factor on the coordinates, to mm.")] = 1.0,
-    picture: Annotated[bool, typer.Option(help="Write TARGET.png, colors by movement.")] = True,
+    picture: Annotated[bool, typer.Option(help="Write TARGET.png: distance and creases.")] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
     debug: Debug = False,
 ) -> None:
     """Make the faces planar, the net circular or conical, the structure torsion-free.
 
-    Writes the mesh, a report (TARGET.json: every measure before and after, movement, history, node
-    axes where they were found) and a picture of the movement. Where the goal is missed, the best
-    mesh reached is written to TARGET.missed.obj and nothing else; the exit code is 1.
+    The result stays as near to the surface as it can, without folds. Writes the mesh, a report
+    (TARGET.json: distance from the surface both ways, rise, creases, movement, what less flat faces
+    would cost, every measure before and after) and a picture of distance and creases. Where the
+    goal is missed, or the result is no longer the design (mean distance 0.25, greatest 1 mean edge,
+    new reflex corners, folds), the best mesh is written to TARGET.missed.obj, with the next
+    command to try, and nothing else is written; the exit code is 1.
     """
     from ddgfab.errors import OptimizeError
 
@@ -50,17 +65,23 @@ def optimize_command(
         from ddgfab.io.atomic import atomic_path
         from ddgfab.optimize import TorsionFreeResult
         from ddgfab.optimize.report import comparison, comparison_text
-        from fabrication.gridshell.design import optimize_mesh
+        from fabrication.gridshell.optimized import optimized_mesh
 
         check_target(target)
-        settings = _settings(goal, boundary, fix, features, max_movement, change or [])
+        given: dict[str, Any] = {"goal": goal, "boundary": boundary}
+        if flat is not None:
+            given["flat_percent"] = float(flat)
+        if keep != "balanced":
+            given["keep"] = toml_value(keep)
+        settings = _settings(given, fix, features, max_movement, change or [])
         read = read_mesh(source, scale)
+        reference = None if surface is None else read_mesh(surface, scale).mesh
         try:
-            result = optimize_mesh(read.mesh, settings, report)
+            result = optimized_mesh(read.mesh, settings, report, surface=reference)
         except OptimizeError as error:
-            if debug or error.result is None:
+            if debug:
                 raise
-            _write_missed(error, target)
+            _write_missed(error, source, target, scale, given)
             raise typer.Exit(FAILED) from None
         record = {"file": read.file, "sha256": read.sha256, **comparison(result)}
         if isinstance(result, TorsionFreeResult):
@@ -78,8 +99,7 @@ def optimize_command(
 
 
 def _settings(
-    goal: str,
-    boundary: str,
+    given: dict[str, Any],
     fix: str,
     features: float | None,
     max_movement: float | None,
@@ -87,10 +107,8 @@ def _settings(
 ) -> Any:
     """[optimize] of the options, checked as in a project."""
     from ddgfab.errors import InputError
-    from fabrication.cli.common import toml_value
     from fabrication.gridshell.load import make_project
 
-    given: dict[str, Any] = {"goal": goal, "boundary": boundary}
     if fix:
         ids = [item.strip() for item in fix.split(",")]
         bad = [item for item in ids if not item.isdecimal()]
@@ -109,23 +127,68 @@ def _settings(
     return make_project({"optimize": given}).optimize
 
 
-def _write_missed(error: Any, target: Path) -> None:
-    """Print what failed, and write the best mesh reached beside the target."""
+def _write_missed(
+    error: OptimizeError, source: Path, target: Path, scale: float, given: dict[str, Any]
+) -> None:
+    """Print what failed and what to try, and write the best mesh reached beside the target."""
     from ddgfab.io import write_mesh
+    from ddgfab.optimize import OptimizeResult
 
+    typer.echo(f"FAILED {error}", err=True)
+    if not isinstance(error.result, OptimizeResult):  # refused before solving
+        typer.echo(f"{target} was not written", err=True)
+        return
     best = target.with_name(f"{target.stem}.missed.obj")
     write_mesh(best, error.result.mesh)
-    typer.echo(f"FAILED {error}", err=True)
     typer.echo(f"the best mesh reached: {best} [mm]; {target} was not written", err=True)
+    if error.result.advice:
+        changed = given | {_KEYS.get(name, name): value for name, value in error.result.advice}
+        typer.echo(f"next: {_command(source, target, scale, changed)}", err=True)
+
+
+_KEYS: Final = {"flat": "flat_percent", "distance_limit": "distance_limit_edges"}
+"""Keys of [optimize] for options of `ddgfab.optimize.optimize` with other names."""
+
+_OPTIONS: Final = {
+    "goal": "--goal",
+    "boundary": "--boundary",
+    "flat_percent": "--flat",
+    "keep": "--keep",
+    "max_movement_mm": "--max-movement",
+    "feature_angle_deg": "--features",
+}
+"""Options of the command for keys of [optimize]; the others are given by --set."""
+
+
+def _command(source: Path, target: Path, scale: float, settings: dict[str, Any]) -> str:
+    """The command that optimizes with these settings."""
+    arguments = ["ddgfab", "optimize", str(source), str(target)]
+    if scale != 1.0:
+        arguments += ["--scale", f"{scale:g}"]
+    for key, value in settings.items():
+        if key in ("goal", "boundary") and value == _DEFAULTS[key]:
+            continue
+        if key in _OPTIONS:
+            text = f"{value:g}" if isinstance(value, float) else str(value)
+            arguments += [_OPTIONS[key], text]
+        elif key == "fix":
+            arguments += ["--fix", ",".join(map(str, value))]
+        else:
+            shown = list(value) if isinstance(value, tuple) else value
+            arguments += ["--set", f"{key}={shown}"]
+    return shlex.join(arguments)
+
+
+_DEFAULTS: Final = {"goal": "planar", "boundary": "free"}
 
 
 def _draw(target: Path, result: OptimizeResult) -> str:
-    """The picture of the movement; a warning where this machine cannot draw."""
+    """The picture of distance and creases; a warning where this machine cannot draw."""
     from ddgfab.errors import OutputError
-    from fabrication.pictures.deviation import write_deviation
+    from fabrication.pictures.change import write_change
 
     try:
-        write_deviation(target.with_suffix(".png"), result.mesh, result.movement)
+        write_change(target.with_suffix(".png"), result.change)
     except OutputError as error:
         return f"no picture: {error}"
     return ""

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final, TypeAlias, cast
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
@@ -19,12 +18,13 @@ from ddgfab.forms.registry import find_generator, generate
 from ddgfab.io import read_mesh
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.optimize import Goal, OptimizeResult, TorsionFreeResult, optimize
+from ddgfab.optimize import OptimizeResult, TorsionFreeResult
 from ddgfab.support import SupportKind, SupportStructure, support_structure
 from fabrication.families import families
 from fabrication.gridshell.detailing import Gridshell, detail
 from fabrication.gridshell.load import load_project, project_for_mesh
-from fabrication.gridshell.project import MESH, OptimizeSettings, Project
+from fabrication.gridshell.optimized import optimized_mesh
+from fabrication.gridshell.project import MESH, Project
 from fabrication.gridshell.schedules import schedules
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family
@@ -183,7 +183,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     optimized = None
     if project.optimize.goal != "none":
         start("optimize")
-        optimized = optimize_mesh(net.mesh, project.optimize, report)
+        optimized = optimized_mesh(net.mesh, project.optimize, report)
         net = replace(net, mesh=optimized.mesh, notes=(*net.notes, *optimized.remarks))
         stop("optimize")
     start("measure")
@@ -202,46 +202,6 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     grouped = families(gridshell.pieces, project.checks.family_tolerance_mm)
     stop("detail")
     return Design(project, net, measures, support, gridshell, grouped, seconds, optimized)
-
-
-def optimize_mesh(
-    mesh: Mesh, settings: OptimizeSettings, progress: Progress | None = None
-) -> OptimizeResult:
-    """The mesh [mm] optimized for the goal of the settings, with its report.
-
-    Raises
-    ------
-    OptimizeError
-        The goal is missed or costs too much movement; carries the best mesh as `result`.
-    InputError
-        A vertex to be fixed that the mesh does not have.
-    """
-    report = progress or silent
-    fixed = settings.fix if isinstance(settings.fix, tuple) else ()
-    angle = settings.feature_angle_deg
-    return optimize(
-        mesh,
-        cast(Goal, settings.goal),
-        fixed=fixed,
-        boundary="fixed" if settings.fix == "boundary" else settings.boundary,
-        feature_angle=None if angle is None else math.radians(angle),
-        max_movement=settings.max_movement_mm,
-        **_own_options(settings),
-        progress=lambda stage, number, step: report(f"optimize: {stage}", number, 0),
-    )
-
-
-def _own_options(settings: OptimizeSettings) -> dict[str, Any]:
-    """Arguments of `optimize` that only one goal has."""
-    if settings.goal == "torsion-free":
-        lean = settings.max_lean_deg
-        return {
-            "axes_only": settings.axes_only,
-            "max_lean": None if lean is None else math.radians(lean),
-        }
-    if settings.goal == "families":
-        return {"of": settings.families_of, "fit_tolerance": settings.fit_tolerance_mm}
-    return {}
 
 
 def support_kind(project: Project) -> SupportKind:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Final, Literal, get_args
 from pydantic import Field, field_validator, model_validator
 
 from ddgfab.forms.registry import kinds
-from ddgfab.optimize import Boundary, Goal
+from ddgfab.optimize import Boundary, Goal, Keep
 from ddgfab.suggest import suggestion
 from ddgfab.support import SupportKind
 from ddgfab.tolerances import LEAN_LIMIT_DEG
@@ -93,13 +93,18 @@ class NetSettings(Section):
         return self
 
 
-OPTIMIZE_OPTIONS: Final = {
-    "axes_only": "torsion-free",
-    "max_lean_deg": "torsion-free",
-    "families_of": "families",
-    "fit_tolerance_mm": "families",
+_NETS: Final = ("planar", "circular", "conical")
+
+OPTIMIZE_OPTIONS: Final[dict[str, tuple[str, ...]]] = {
+    "flat_percent": _NETS,
+    "keep": _NETS,
+    "distance_limit_edges": _NETS,
+    "axes_only": ("torsion-free",),
+    "max_lean_deg": ("torsion-free",),
+    "families_of": ("families",),
+    "fit_tolerance_mm": ("families",),
 }
-"""Keys of [optimize] that only one goal has."""
+"""Keys of [optimize] that only some goals have."""
 
 
 class OptimizeSettings(Section):
@@ -109,6 +114,12 @@ class OptimizeSettings(Section):
     ----------
     goal : "planar", "circular", "conical", "torsion-free" (planar faces and upright node axes),
         "families" (fewer congruent pieces); "none" leaves the mesh as it is
+    flat_percent : how far faces may be from planar (distance of the diagonals over their mean);
+        default 0.2 for "planar", 0 (exact) for "circular" and "conical"
+    keep : "close" to the surface, "balanced", "fair" (smooth faces), or a number between (0.2,
+        0.33, 0.5)
+    distance_limit_edges : greatest distance from the surface, mean and greatest, in mean edges;
+        more is an error
     fix : "none", "boundary", or ids of vertices that stay
     boundary : what boundary vertices may do: "free", "glide" along the boundary, "fixed"
     feature_angle_deg : edges sharper than this are features, which need not stay smooth
@@ -120,6 +131,9 @@ class OptimizeSettings(Section):
     """
 
     goal: Literal["none"] | Goal = "none"
+    flat_percent: Annotated[float, Field(ge=0, le=100)] | None = None
+    keep: Keep | Positive = "balanced"
+    distance_limit_edges: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.25, 1.0)
     fix: Literal["none", "boundary"] | VertexIds = "none"
     boundary: Boundary = "free"
     feature_angle_deg: Degrees | None = None
@@ -133,9 +147,10 @@ class OptimizeSettings(Section):
     def _has_goal(self) -> OptimizeSettings:
         if self.model_fields_set and "goal" not in self.model_fields_set:
             raise ValueError(f"goal is missing; one of {', '.join(get_args(Goal))}")
-        for key, goal in OPTIMIZE_OPTIONS.items():
-            if key in self.model_fields_set and self.goal != goal:
-                raise ValueError(f'{key} is for goal = "{goal}", not for "{self.goal}"')
+        for key, goals in OPTIMIZE_OPTIONS.items():
+            if key in self.model_fields_set and self.goal not in goals:
+                names = " or ".join(f'"{goal}"' for goal in goals)
+                raise ValueError(f'{key} is for goal = {names}, not for "{self.goal}"')
         return self
 
 

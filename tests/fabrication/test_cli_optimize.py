@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from fabrication.cli import app
 EDGE_MM = 1000.0
 
 
-def wavy(cells: int = 8, bend: float = 0.08) -> Mesh:
+def skew(cells: int = 8, bend: float = 0.08) -> Mesh:
     """A skew roof: edges across the principal directions, so that no quad is flat."""
     u, v = np.meshgrid(np.arange(cells + 1.0), np.arange(cells + 1.0), indexing="ij")
     return grid_mesh(EDGE_MM * np.stack([u, v, bend * u * v + 0.3 * np.sin(u)], axis=-1))
@@ -28,7 +29,7 @@ def wavy(cells: int = 8, bend: float = 0.08) -> Mesh:
 @pytest.fixture
 def roof(tmp_path: Path) -> Path:
     path = tmp_path / "roof.obj"
-    write_mesh(path, wavy())
+    write_mesh(path, skew())
     return path
 
 
@@ -42,15 +43,18 @@ def test_planar_is_the_default_goal(roof: Path, tmp_path: Path) -> None:
     code, said = run("optimize", roof, target, "--no-picture")
     assert code == 0, said
     mesh = read_mesh(target).mesh
-    assert planarity_percent(mesh).max() < 1e-7
+    assert planarity_percent(mesh).max() <= 0.2
     report = json.loads((tmp_path / "flat.json").read_text())
     moved = np.linalg.norm(mesh.vertices - read_mesh(roof).mesh.vertices, axis=1)
     assert report["movement_max"] == pytest.approx(moved.max(), abs=1e-4)
     assert report["before"]["measures"]["planarity_percent"]["greatest"] > 1
-    assert report["after"]["measures"]["planarity_percent"]["greatest"] < 1e-7
+    assert report["after"]["measures"]["planarity_percent"]["greatest"] <= 0.2
+    assert 0 < report["design"]["distance_mean"] < 0.25 * report["design"]["mean_edge"]
+    assert report["prices"][-1]["percent"] <= 0.2
     assert report["history"]
     assert "planarity, max" in said
-    assert "furthest vertices" in said
+    assert "distance from the surface, both ways" in said
+    assert "price list" in said
     assert not (tmp_path / "flat.png").exists()
 
 
@@ -60,24 +64,61 @@ def test_picture(roof: Path, tmp_path: Path) -> None:
     assert "no picture" in said or (tmp_path / "flat.png").stat().st_size > 10_000
 
 
-def test_conflict_keeps_the_best_mesh_apart(roof: Path, tmp_path: Path) -> None:
+def test_exact_and_close_are_options(roof: Path, tmp_path: Path) -> None:
     target = tmp_path / "flat.obj"
-    code, said = run("optimize", roof, target, "--max-movement", "0.001")
+    code, said = run("optimize", roof, target, "--flat", 0, "--keep", "close", "--no-picture")
+    assert code == 0, said
+    assert planarity_percent(read_mesh(target).mesh).max() < 1e-7
+    code, said = run("optimize", roof, target, "--keep", "0.4", "--no-picture")
+    assert code == 0, said
+
+
+def test_missed_goals_keep_the_best_mesh_apart_and_name_the_next_command(
+    roof: Path, tmp_path: Path
+) -> None:
+    target = tmp_path / "flat.obj"
+    code, said = run("optimize", roof, target, "--set", "distance_limit_edges=[0.01, 1.0]")
     assert code == 1
-    assert "limit is 0.001" in said
+    assert "limit 0.01" in said
     assert not target.exists()
     assert not (tmp_path / "flat.json").exists()
-    assert planarity_percent(read_mesh(tmp_path / "flat.missed.obj").mesh).max() < 1e-7
+    assert planarity_percent(read_mesh(tmp_path / "flat.missed.obj").mesh).max() <= 0.2
+    (line,) = [line for line in said.splitlines() if line.startswith("next: ")]
+    assert "--keep close" in line
+    for _ in range(4):  # what is named helps, in the end
+        words = shlex.split(line.removeprefix("next: ddgfab "))
+        code, said = run(*words, "--no-picture")
+        if code == 0:
+            break
+        (line,) = [line for line in said.splitlines() if line.startswith("next: ")]
+    assert code == 0, said
+    assert target.exists()
+
+
+def test_limit_of_movement(roof: Path, tmp_path: Path) -> None:
+    code, said = run("optimize", roof, tmp_path / "flat.obj", "--max-movement", "0.001")
+    assert code == 1
+    assert "limit 0.001" in said
+
+
+def test_another_surface(roof: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.obj"
+    mesh = read_mesh(roof).mesh
+    write_mesh(other, mesh.with_vertices(mesh.vertices + np.array([0, 0, 100])))
+    code, said = run("optimize", roof, tmp_path / "a.obj", "--surface", other, "--no-picture")
+    assert code == 0, said
+    raised = read_mesh(tmp_path / "a.obj").mesh.vertices[:, 2] - mesh.vertices[:, 2]
+    assert 30 < raised.mean() < 110
 
 
 def test_impossible_boundary_names_faces(tmp_path: Path) -> None:
     """One skew quad whose four corners are fixed cannot be flat."""
     path = tmp_path / "quad.obj"
-    write_mesh(path, wavy(1, 0.3))
+    write_mesh(path, skew(1, 0.3))
     code, said = run("optimize", path, tmp_path / "out.obj", "--boundary", "fixed")
     assert code == 1
-    assert "worst at" in said
-    assert "fixed" in said
+    assert "1 faces cannot be planar" in said
+    assert "faces 0" in said
     assert not (tmp_path / "out.obj").exists()
 
 
@@ -89,6 +130,9 @@ def test_impossible_boundary_names_faces(tmp_path: Path) -> None:
         (["--fix", "1,x"], "'x' is no vertex"),
         (["--fix", "9999"], "9999"),
         (["--max-movement", "-1"], "max_movement_mm"),
+        (["--flat", "-1"], "flat_percent"),
+        (["--keep", "far"], "keep"),
+        (["--goal", "families", "--keep", "close"], 'keep is for goal = "planar"'),
         (["--set", "goall=planar"], "did you mean goal"),
         (["--set", "goal"], "expected key=value"),
     ],
@@ -108,6 +152,6 @@ def test_bad_targets(roof: Path, tmp_path: Path) -> None:
 def test_project_section(roof: Path) -> None:
     plan = design(str(roof), optimize={"goal": "planar"}, panel={"kind": "none"})
     assert plan.optimized is not None
-    assert planarity_percent(plan.mesh).max() < 1e-7
+    assert planarity_percent(plan.mesh).max() <= 0.2
     assert plan.support.torsion_free
     assert design(str(roof), panel={"kind": "none"}).optimized is None

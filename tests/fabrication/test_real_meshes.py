@@ -132,4 +132,4 @@ def test_optimised_designs_are_buildable(
     assert manifest["support"]["lean_deg_max"] < lean
     assert manifest["net"]["measures"]["planarity_percent"]["greatest"] < 1e-7
     assert manifest["optimize"]["movement_max"] > 0
-    assert (tmp_path / "out" / "deviation.png").exists() or manifest["notes"]
+    assert (tmp_path / "out" / "optimized.png").exists() or manifest["notes"]

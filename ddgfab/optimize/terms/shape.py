@@ -127,12 +127,16 @@ def laplacian_fairness(mesh: Mesh, *, weight: float = 1.0, smoothing: float = 1.
     return _fair(mesh, laplacian(mesh), "Laplacian fairness", weight, smoothing)
 
 
-def strain(mesh: Mesh, *, weight: float = 1.0) -> VectorTerm:
-    """Edge vectors as they are: keeps lengths and angles, allows shifts. In mean edges."""
+def edge_differences(mesh: Mesh) -> csr_array:
+    """(E, V) rows x_end - x_start of the edges."""
     rows = np.repeat(np.arange(mesh.n_edges), 2)
     data = np.tile([-1.0, 1.0], mesh.n_edges)
-    matrix = csr_array((data, (rows, mesh.edges.ravel())), shape=(mesh.n_edges, mesh.n_vertices))
-    return _fair(mesh, matrix, "strain", weight, 0.0)
+    return csr_array((data, (rows, mesh.edges.ravel())), shape=(mesh.n_edges, mesh.n_vertices))
+
+
+def strain(mesh: Mesh, *, weight: float = 1.0) -> VectorTerm:
+    """Edge vectors as they are: keeps lengths and angles, allows shifts. In mean edges."""
+    return _fair(mesh, edge_differences(mesh), "strain", weight, 0.0)
 
 
 def _fair(mesh: Mesh, scalar: csr_array, name: str, weight: float, smoothing: float) -> VectorTerm:

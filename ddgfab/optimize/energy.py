@@ -1,0 +1,111 @@
+"""What a design should keep, as one energy: near its surface, small and smooth movements.
+
+Not "straight polylines": far from conjugate nets, planar faces with polylines as smooth as before
+exist on flattened surfaces only. What is kept smooth here is the movement.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias, get_args
+
+import numpy as np
+
+from ddgfab.errors import InputError
+from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.optimize.surface import RimCurve, SmoothSurface
+from ddgfab.optimize.terms.base import VectorTerm
+from ddgfab.optimize.terms.nearness import NearRim, NearSurface
+from ddgfab.optimize.terms.shape import closeness, edge_differences, fairness
+
+Keep: TypeAlias = Literal["close", "balanced", "fair"]
+"""What a design keeps rather: its surface, or the smoothness of its faces."""
+
+KEEP: Final[dict[Keep, float]] = {"close": 0.2, "balanced": 0.33, "fair": 0.5}
+"""Wavelength from which movements along the normal cost distance rather than bending, as part of
+the width of the mesh (the square root of its area)."""
+
+_NEAR, _SLIDE, _STRAIN, _RIM = 1.0, 0.1, 0.1, 1.0
+_GLIDE: Final = 1e4
+_FAIR_RANGE: Final = 0.3, 10.0
+
+
+def keep_number(keep: Keep | float) -> float:
+    """The number of a name.
+
+    Raises
+    ------
+    InputError
+        An unknown name, a number that is not positive.
+    """
+    if isinstance(keep, str):
+        if keep not in KEEP:
+            raise InputError(f'keep = "{keep}"; one of {", ".join(get_args(Keep))}, or a number')
+        return KEEP[keep]
+    if not (np.isfinite(keep) and keep > 0):
+        raise InputError(f"keep = {keep:g}: more than zero is needed, for instance 0.33")
+    return float(keep)
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of the energy, for a mesh whose mean edge is one."""
+
+    near: float = _NEAR
+    slide: float = _SLIDE
+    strain: float = _STRAIN
+    fair: float = 1.0
+    rim: float = _RIM
+
+    @staticmethod
+    def of(mesh: Mesh, keep: Keep | float = "balanced", *, glide: bool = False) -> Weights:
+        """The weights for a mesh.
+
+        The weight of smoothness is such that waves shorter than `keep` times the width of the mesh
+        cost bending and longer ones distance, whatever the size of the faces.
+        """
+        width = float(np.sqrt(mesh.face_areas.sum()))
+        fair = (keep_number(keep) * width / (2 * np.pi)) ** 4
+        fair = float(np.clip(fair, *_FAIR_RANGE))
+        strain = _STRAIN * max(1.0, float(np.sqrt(fair)))
+        return Weights(strain=strain, fair=fair, rim=_GLIDE if glide else _RIM)
+
+
+def energy(
+    mesh: Mesh,
+    weights: Weights,
+    surface: SmoothSurface | None = None,
+    features: Ints | None = None,
+) -> tuple[VectorTerm | NearSurface | NearRim, ...]:
+    """Terms of the energy of a mesh whose mean edge is one.
+
+    Parameters
+    ----------
+    surface : to stay near to; that of the mesh itself by default
+    features : ids of edges across which the movement need not be smooth
+    """
+    used = np.flatnonzero(mesh.valences > 0)
+    rim = np.flatnonzero(mesh.boundary_vertex)
+    terms: list[VectorTerm | NearSurface | NearRim] = [
+        NearSurface(
+            surface=SmoothSurface(mesh) if surface is None else surface,
+            vertices=used,
+            weight=weights.near,
+        ),
+        closeness(mesh, weight=weights.slide),
+        _strain(mesh, weights.strain),
+        fairness(mesh, weight=weights.fair, smoothing=0.0, features=features),
+    ]
+    if len(rim):
+        terms.append(NearRim(curve=RimCurve(mesh), vertices=rim, weight=weights.rim))
+    return tuple(terms)
+
+
+def _strain(mesh: Mesh, weight: float) -> VectorTerm:
+    """Changes of edge vectors over the length of the edge: keeps small edges from collapsing."""
+    lengths: Floats = mesh.edge_lengths
+    matrix = edge_differences(mesh)
+    matrix.data /= np.repeat(np.maximum(lengths, np.finfo(float).tiny), 2)
+    return VectorTerm(
+        name="strain", scalar=matrix, target=np.asarray(matrix @ mesh.vertices), weight=weight
+    )
