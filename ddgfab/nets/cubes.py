@@ -136,12 +136,14 @@ def cube_point(
     x12: ArrayLike,
     x13: ArrayLike,
     x23: ArrayLike,
+    tolerance: float = NET_INPUT,
 ) -> Floats:
     """(..., dim) eighth vertex: the common point of the planes of the three further faces.
 
     Parameters
     ----------
     x, x1, x2, x3, x12, x13, x23 : (..., dim), dim > 1, with planar quads at x
+    tolerance : on the planarity of these, relative
 
     Raises
     ------
@@ -156,7 +158,7 @@ def cube_point(
     for (k, m), corner in zip(_SIDES, points[4:], strict=True):
         sides = (np.moveaxis(p, 0, -1) for p in (points[0], points[1 + k], points[1 + m], corner))
         off = conj_residual(*sides)
-        place.refuse(off > NET_INPUT, f"quad ({k}, {m}) is not planar, limit {NET_INPUT:g}", off)
+        place.refuse(off > tolerance, f"quad ({k}, {m}) is not planar, limit {tolerance:g}", off)
     return np.moveaxis(_cube(points[0], points[1:4], points[4:], place), 0, -1)
 
 
@@ -183,7 +185,9 @@ def coordinate_surfaces(points: ArrayLike) -> dict[tuple[int, int], Floats]:
     return out
 
 
-def evolve_3d(x12: ArrayLike, x13: ArrayLike, x23: ArrayLike) -> Floats:
+def evolve_3d(
+    x12: ArrayLike, x13: ArrayLike, x23: ArrayLike, *, tolerance: float = NET_INPUT
+) -> Floats:
     """(n1, n2, n3, dim) conjugate net from its three coordinate surfaces; see `evolve_nd`.
 
     Parameters
@@ -192,10 +196,15 @@ def evolve_3d(x12: ArrayLike, x13: ArrayLike, x23: ArrayLike) -> Floats:
 
     Source: Bobenko, Suris, Theorem 2.2; mathematics.md 1.6.
     """
-    return evolve_nd({(0, 1): x12, (0, 2): x13, (1, 2): x23})
+    return evolve_nd({(0, 1): x12, (0, 2): x13, (1, 2): x23}, tolerance=tolerance)
 
 
-def evolve_nd(surfaces: Mapping[tuple[int, int], ArrayLike], *, verify: bool = False) -> Floats:
+def evolve_nd(
+    surfaces: Mapping[tuple[int, int], ArrayLike],
+    *,
+    verify: bool = False,
+    tolerance: float = NET_INPUT,
+) -> Floats:
     """(n1, ..., nd, dim) conjugate net from its d (d - 1) / 2 coordinate surfaces, d > 2.
 
     Points are made in order of the number of their nonzero indices, by wavefronts, each from the
@@ -207,6 +216,8 @@ def evolve_nd(surfaces: Mapping[tuple[int, int], ArrayLike], *, verify: bool = F
     surfaces : by pairs (k, l), k < l < d: (n_k, n_l, dim) conjugate nets with common axes
     verify : whether to make every point a second time: from the cube of its last three nonzero
         directions, or where there are only three, by the planarity of all quads of the cube
+    tolerance : relative, on the planarity of the surfaces and on second points; nets from files
+        with few digits need more than the default
 
     Raises
     ------
@@ -218,15 +229,15 @@ def evolve_nd(surfaces: Mapping[tuple[int, int], ArrayLike], *, verify: bool = F
 
     Source: Bobenko, Suris, Theorem 2.5; mathematics.md 1.8.
     """
-    net = _with_surfaces(surfaces)
+    net = _with_surfaces(surfaces, tolerance)
     d = net.ndim - 1
     for size in range(3, d + 1):
         for subset in combinations(range(d), size):
-            _fill(net, subset, verify)
+            _fill(net, subset, verify, tolerance)
     return net
 
 
-def _with_surfaces(surfaces: Mapping[tuple[int, int], ArrayLike]) -> Floats:
+def _with_surfaces(surfaces: Mapping[tuple[int, int], ArrayLike], tolerance: float) -> Floats:
     """Checked net with its coordinate surfaces filled, the rest not yet."""
     d = 1 + max((max(pair) for pair in surfaces), default=0)
     wanted = list(combinations(range(d), 2))
@@ -242,7 +253,7 @@ def _with_surfaces(surfaces: Mapping[tuple[int, int], ArrayLike]) -> Floats:
             )
         flat = np.abs(planarity(surface)) if min(sizes[k], sizes[m]) > 1 else np.zeros((1, 1))
         Place(name=f"surface {(k, m)}, quad").refuse(
-            flat > NET_INPUT, f"it is not planar, limit {NET_INPUT:g}", flat
+            flat > tolerance, f"it is not planar, limit {tolerance:g}", flat
         )
     net = np.empty((*sizes, dim))
     scale = max(extent(s) for s in given.values())
@@ -260,7 +271,7 @@ def _with_surfaces(surfaces: Mapping[tuple[int, int], ArrayLike]) -> Floats:
     return net
 
 
-def _fill(net: Floats, subset: tuple[int, ...], verify: bool) -> None:
+def _fill(net: Floats, subset: tuple[int, ...], verify: bool, tolerance: float) -> None:
     """Points whose nonzero indices are those of a subset, along wavefronts."""
     sizes, dim = net.shape[:-1], net.shape[-1]
     if min(sizes[k] for k in subset) < 2:
@@ -287,7 +298,7 @@ def _fill(net: Floats, subset: tuple[int, ...], verify: bool) -> None:
         refuse_growth(new, place)
         flat[at] = new.T
         if verify:
-            _verify(flat, at, strides[list(subset)], place)
+            _verify(flat, at, strides[list(subset)], place, tolerance)
 
 
 def _corners(
@@ -305,7 +316,7 @@ def _from_cube(flat: Floats, at: Ints, strides: Ints, place: Place) -> Floats:
         return _cube(*_corners(flat, at, strides), place)
 
 
-def _verify(flat: Floats, at: Ints, strides: Ints, place: Place) -> None:
+def _verify(flat: Floats, at: Ints, strides: Ints, place: Place, tolerance: float) -> None:
     """Every point a second time; refuses it where it is elsewhere."""
     x, ends, quads = _corners(flat, at, strides[-3:])
     new = flat[at].T
@@ -313,7 +324,7 @@ def _verify(flat: Floats, at: Ints, strides: Ints, place: Place) -> None:
     if len(strides) > 3:
         again = norm(_cube(x, ends, quads, place) - new) / scale
         place.refuse(
-            again > NET_INPUT, "another cube gives another point, relative distance", again
+            again > tolerance, "another cube gives another point, relative distance", again
         )
         return
     for i in range(3):
@@ -327,4 +338,4 @@ def _verify(flat: Floats, at: Ints, strides: Ints, place: Place) -> None:
                 f"{place.name} {place.cell((which,))}: a face has parallel edges",
                 cell=place.cell((which,)),
             ) from error
-        place.refuse(off > NET_INPUT, "a further face is not planar", off)
+        place.refuse(off > tolerance, "a further face is not planar", off)

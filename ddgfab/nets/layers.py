@@ -5,18 +5,25 @@ Source: Bobenko, Suris, Discrete Differential Geometry, 1.1; mathematics.md 1.9,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
+from ddgfab.nets.asymptotic import star_flatness
+from ddgfab.nets.circular import circular_residuals, circularity
+from ddgfab.nets.conjugate import conjugate_residuals, planarity
 from ddgfab.nets.cubes import coordinate_surfaces, evolve_nd
-from ddgfab.quads import Place, finite
+from ddgfab.nets.isothermic import cross_ratio_labels
+from ddgfab.nets.moutard import moutard_coefficients
+from ddgfab.quads import Place, finite, pairs
 from ddgfab.tolerances import NET_INPUT
 
 Transform = Callable[[Floats], ArrayLike]
+Residuals = Callable[[Floats], Mapping[str, float]]
 
 
 def sample(surface: Callable[..., ArrayLike], *parameters: ArrayLike) -> Floats:
@@ -70,10 +77,18 @@ def lattice(
     transform_a: Transform,
     transform_b: Transform,
     common: Callable[[Floats, Floats, Floats], ArrayLike] | None = None,
+    *,
+    residuals: Residuals | None = None,
+    tolerance: float = NET_INPUT,
 ) -> Floats:
     """(n1, ..., nd, 2, 2, dim) net of a net, two transforms and their common transform.
 
     z[..., 0, 0] = x, z[..., 1, 0] = T_a x, z[..., 0, 1] = T_b x, z[..., 1, 1] the common one.
+
+    It is a net of the class to which the net with T_a x and the net with T_b x belong (conjugate,
+    circular, isothermic, A-net, T-net: all that hold are demanded), also in the quads of the two
+    new directions. That the transforms commute is not enough: two Combescure transforms may, and
+    their quads be skew.
 
     Parameters
     ----------
@@ -81,13 +96,20 @@ def lattice(
     transform_a, transform_b : net to net, of the same shape
     common : (x, T_a x, T_b x) to the common transform; by default T_b T_a x, which must be
         T_a T_b x (permutability)
+    residuals : a net of any number of directions to the defects of its class by name, instead of
+        the classes above (as `conjugate_residuals`)
+    tolerance : on residuals, and on the distance of T_b T_a x and T_a T_b x in parts of the size
 
     Raises
     ------
     DegenerateError
-        T_b T_a x and T_a T_b x differ; gives the distance.
+        T_b T_a x and T_a T_b x differ, by how much; a condition that both transforms fulfil and
+        the lattice does not, with the quad of the new directions; without `common` or `residuals`,
+        transforms that belong to none of the classes.
     InputError
         Shapes that differ.
+
+    Source: mathematics.md 1.9.
     """
     x = np.asarray(net, dtype=np.float64)
     a, b = (np.asarray(t(x), dtype=np.float64) for t in (transform_a, transform_b))
@@ -99,16 +121,93 @@ def lattice(
         if both.shape == other.shape:
             size = extent(both)
             gap = float(np.linalg.norm(both - other, axis=-1).max())
-            if gap > NET_INPUT * size:
+            if gap > tolerance * size:
                 raise DegenerateError(
                     f"the transforms do not commute: T_b T_a x and T_a T_b x are {gap:g} apart "
-                    f"(limit {NET_INPUT * size:g}); give the common transform"
+                    f"(limit {tolerance * size:g}); give the common transform"
                 )
-    return np.stack([stack_transforms([x, b]), stack_transforms([a, both])], axis=-3)
+    z = np.stack([stack_transforms([x, b]), stack_transforms([a, both])], axis=-3)
+    conditions = _CLASSES if residuals is None else {"the given": residuals}
+    layers = [stack_transforms([x, sheet]) for sheet in (a, b)]
+    held = {
+        name: found
+        for name, found in conditions.items()
+        if all(_defect(found, layer) <= tolerance for layer in layers) or residuals is not None
+    }
+    for name, found in held.items():
+        defect = _defect(found, z)
+        if not defect <= tolerance:
+            raise DegenerateError(
+                f"the lattice is no {name} net, although the net with each transform is: "
+                f"{_worst_quad(name, z, defect)} (limit {tolerance:g})\n"
+                "give the common transform (common_transform makes it from one point)"
+            )
+    if not held and common is None:
+        raise DegenerateError(
+            "the net with its transforms is no conjugate, circular, isothermic, A- or T-net, so "
+            "that the lattice cannot be checked; give residuals or the common transform"
+        )
+    return z
+
+
+def _defect(found: Residuals, net: Floats) -> float:
+    """Greatest residual of a net; infinite where it is not defined."""
+    try:
+        return max((float(value) for value in found(net).values()), default=0.0)
+    except (DegenerateError, InputError):
+        return np.inf
+
+
+def _worst_quad(name: str, z: Floats, defect: float) -> str:
+    """Where the quads of the two new directions miss a condition most."""
+    axes = z.ndim - 3, z.ndim - 2
+    measure = {"conjugate": planarity, "circular": circularity}.get(name)
+    if measure is not None:
+        try:
+            off = np.abs(measure(z, axes))
+        except DegenerateError as error:
+            return str(error)
+        at = tuple(int(i) for i in np.unravel_index(int(off.argmax()), off.shape))
+        if off[at] >= 0.5 * defect:
+            return f"quad of the two new directions at {at[:-2]}, relative defect {off[at]:.3g}"
+    return f"relative defect {defect:.3g}"
+
+
+def _isothermic(net: Floats) -> dict[str, float]:
+    return {"cross-ratio labels": cross_ratio_labels(net)[1]}
+
+
+def _circular(net: Floats) -> dict[str, float]:
+    return {"circularity": circular_residuals(net)["circularity"]}
+
+
+def _asymptotic(net: Floats) -> dict[str, float]:
+    return {"star flatness": float(star_flatness(net).max())}
+
+
+def _moutard(net: Floats) -> dict[str, float]:
+    return {
+        "Moutard": max(
+            float(moutard_coefficients(net, axes)[1].max(initial=0.0)) for axes in pairs(net)
+        )
+    }
+
+
+_CLASSES: Final[dict[str, Residuals]] = {
+    "conjugate": conjugate_residuals,
+    "circular": _circular,
+    "isothermic": _isothermic,
+    "A-": _asymptotic,
+    "T-": _moutard,
+}
 
 
 def common_transform(
-    net: ArrayLike, first: ArrayLike, second: ArrayLike, corner: ArrayLike
+    net: ArrayLike,
+    first: ArrayLike,
+    second: ArrayLike,
+    corner: ArrayLike,
+    tolerance: float = NET_INPUT,
 ) -> Floats:
     """The net that is a transform of two transforms of one net: T_ab x, given its first point.
 
@@ -121,6 +220,7 @@ def common_transform(
     net, first, second : (n1, ..., nd, dim) x, T_a x, T_b x
     corner : (dim,) first point of T_ab x, in the plane (for circular nets: on the circle) of the
         first points of the three
+    tolerance : on planarity, and on distances in parts of the net's size
 
     Raises
     ------
@@ -133,11 +233,11 @@ def common_transform(
     origin = (0,) * (x.ndim - 1)
     given = np.stack([stack_transforms([x, b]), stack_transforms([a, a])], axis=-3)
     given[(*origin, 1, 1)] = corner
-    made = evolve_nd(coordinate_surfaces(given))
+    made = evolve_nd(coordinate_surfaces(given), tolerance=tolerance)
     size = extent(x)
     for name, sheet, layer in (("first", a, made[..., 1, 0, :]), ("second", b, made[..., 0, 1, :])):
         gap = np.linalg.norm(sheet - layer, axis=-1)
         Place(name=f"{name} transform, point").refuse(
-            gap > NET_INPUT * size, "it is no transform of the net: distance", gap
+            gap > tolerance * size, "it is no transform of the net: distance", gap
         )
     return np.asarray(made[..., 1, 1, :])

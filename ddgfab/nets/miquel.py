@@ -27,6 +27,7 @@ def miquel_point(
     x12: ArrayLike,
     x13: ArrayLike,
     x23: ArrayLike,
+    tolerance: float = NET_INPUT,
 ) -> Floats:
     """(..., dim) eighth vertex of cubes with circular quads: on the circles of all further faces.
 
@@ -35,6 +36,7 @@ def miquel_point(
     Parameters
     ----------
     x, x1, x2, x3, x12, x13, x23 : (..., dim) with circular quads at x
+    tolerance : on their circularity, relative
 
     Raises
     ------
@@ -47,19 +49,22 @@ def miquel_point(
     for (k, m), corner in zip(((1, 2), (1, 3), (2, 3)), points[4:], strict=True):
         place = Place(name="cube")
         off = circularity_kernel(points[0], points[k], points[m], corner, place)
-        place.refuse(off > NET_INPUT, f"quad ({k - 1}, {m - 1}) is not circular", off)
-    return cube_point(x, x1, x2, x3, x12, x13, x23)
+        place.refuse(off > tolerance, f"quad ({k - 1}, {m - 1}) is not circular", off)
+    return cube_point(x, x1, x2, x3, x12, x13, x23, tolerance)
 
 
 def evolve_circular(
-    surfaces: Mapping[tuple[int, int], ArrayLike], *, verify: bool = False
+    surfaces: Mapping[tuple[int, int], ArrayLike],
+    *,
+    verify: bool = False,
+    tolerance: float = NET_INPUT,
 ) -> Floats:
     """(n1, ..., nd, dim) circular net from its circular coordinate surfaces, d > 2.
 
     Parameters
     ----------
     surfaces : by pairs (k, l), k < l < d: (n_k, n_l, dim) circular nets with common axes
-    verify : as in `cubes.evolve_nd`
+    verify, tolerance : as in `cubes.evolve_nd`; the tolerance also on circularity
 
     Raises
     ------
@@ -73,8 +78,8 @@ def evolve_circular(
         if min(net.shape[:2]) > 1:
             off = circularity(net)
             place = Place(name=f"surface {pair}, quad")
-            place.refuse(off > NET_INPUT, f"it is not circular, limit {NET_INPUT:g}", off)
-    return evolve_nd(surfaces, verify=verify)
+            place.refuse(off > tolerance, f"it is not circular, limit {tolerance:g}", off)
+    return evolve_nd(surfaces, verify=verify, tolerance=tolerance)
 
 
 def evolve_circular_by_angles(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import Final, Literal, get_args
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from ddgfab.tolerances import (
 )
 
 SupportKind = Literal["auto", "offset", "normal", "axis", "optimize", "central", "normals", "edge"]
+
+LEAN_EQUAL_DEG: Final = 1e-6
+"""Mean leans [deg] that differ by less are equal, as those of all kinds on a sphere."""
 
 _EXACT = {
     "normal": reflected_axes,
@@ -47,15 +50,15 @@ def support_structure(
     height), "offset" (planar faces: the parallel mesh nearest to the vertex normals),
     "optimize" (any mesh: axes nearest to the vertex normals), "central" (any mesh: axes through
     one point), "normals" (A-nets and K-nets: surface normals, whose torsion stays and is told by
-    the structure; never taken by "auto"), "auto": the first of "normal", "axis", "edge",
-    "offset" that the net allows exactly within the lean limit, otherwise "optimize". A net that is
-    circular, conical or planar only within tolerance gets the torsion-free axes nearest to those
-    of the kind asked for.
+    the structure; never taken by "auto"), "auto": of all of "normal", "axis", "edge", "offset"
+    that the net allows exactly, the one that leans least on average; if none stays within the lean
+    limit, "optimize" where that leans less. A net that is circular, conical or planar only within
+    tolerance gets the torsion-free axes nearest to those of the kind asked for.
 
     Parameters
     ----------
-    lean_limit_deg : structures that lean by more are passed over by "auto" where another leans
-        less; the caller judges what comes back (`SupportStructure.leaning`)
+    lean_limit_deg : structures that lean by more somewhere are taken by "auto" only where none
+        stays below; the caller judges what comes back (`SupportStructure.leaning`)
     axes : (V, 3) axes that were found together with the mesh (`ddgfab.optimize.torsion_free`).
         "auto" takes them, as kind "given", if they are torsion-free within the lean limit
 
@@ -90,15 +93,17 @@ def support_structure(
                 'take [support] kind = "optimize", or optimise the net first'
             )
         return _upright(_exact(mesh, kind))
-    found = []
-    for name in _EXACT:
-        if not _objection(mesh, name):
-            axes = _EXACT[name](mesh)
-            candidate = SupportStructure.of(mesh, axes, name)
-            if candidate.torsion_free and candidate.lean_deg_max <= lean_limit_deg:
-                return candidate
-            if candidate.torsion_free:
-                found.append(candidate)
+    found = [
+        candidate
+        for name in _EXACT
+        if not _objection(mesh, name)
+        and (candidate := SupportStructure.of(mesh, _EXACT[name](mesh), name)).torsion_free
+    ]
+    upright = [structure for structure in found if structure.lean_deg_max <= lean_limit_deg]
+    if upright:
+        least = min(structure.lean_deg_mean for structure in upright)
+        # Of equals (a sphere has the same axes by all kinds) the first: the most special.
+        return next(s for s in upright if s.lean_deg_mean <= least + LEAN_EQUAL_DEG)
     try:
         found.append(_optimized(mesh))
     except SupportError:

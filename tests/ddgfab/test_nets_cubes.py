@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from itertools import combinations, permutations
 
 import numpy as np
 import pytest
+from net_cases import planar_net
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets import conjugate as cn
 from ddgfab.nets import cubes
 from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
+from ddgfab.nets.miquel import evolve_circular_by_angles
+from ddgfab.transforms import combescure
 
 
 def given_c() -> Floats:
@@ -221,7 +225,10 @@ def test_layers_and_lattices_are_larger_nets() -> None:
     tilted = other + np.random.default_rng(0).normal(size=other.shape) * 0.01
     assert cn.conjugate_residuals(stack_transforms([second, tilted]))["planarity"] > 1e-4
 
-    z = lattice(first, lambda x: 2.0 * x, lambda x: x @ np.diag([1.0, 2.0, 3.0]))
+    stretch = np.diag([1.0, 2.0, 3.0])
+    with pytest.raises(DegenerateError, match="cannot be checked"):
+        lattice(first, lambda x: 2.0 * x, lambda x: x @ stretch)
+    z = lattice(first, lambda x: 2.0 * x, lambda x: x @ stretch, residuals=lambda _: {})
     assert z.shape == (6, 5, 2, 2, 3)
     assert np.array_equal(z[..., 1, 0, :], 2 * first)
     assert np.array_equal(z[..., 0, 1, :], first * [1, 2, 3])
@@ -234,6 +241,56 @@ def test_layers_and_lattices_are_larger_nets() -> None:
         stack_transforms([first, first[1:]])
     with pytest.raises(InputError, match="1 sheets"):
         stack_transforms([first])
+
+
+def test_lattices_of_transforms_that_commute_need_planar_quads_of_their_own() -> None:
+    """Combescure transforms commute when both give factors of the same boundary edges."""
+    x = planar_net() / 1000.0
+    along, across = np.linspace(0.6, 1.6, 5), np.linspace(1.4, 0.8, 4)
+
+    def to_a(y: np.ndarray) -> np.ndarray:
+        return combescure(y, along, across, y[0, 0] + [0.0, 0.0, 0.4])
+
+    def to_b(y: np.ndarray) -> np.ndarray:
+        return combescure(y, along[::-1], across**2, y[0, 0] + [0.3, 0.1, 0.2])
+
+    a, b = to_a(x), to_b(x)
+    assert np.abs(to_a(b) - to_b(a)).max() < 1e-12
+    skew = np.stack([stack_transforms([x, b]), stack_transforms([a, to_b(a)])], axis=-3)
+    assert np.abs(cn.planarity(skew, (2, 3))).max() > 0.01
+    with pytest.raises(DegenerateError, match="no conjugate net") as caught:
+        lattice(x, to_a, to_b)
+    assert re.search(r"quad of the two new directions at \(\d, \d\), relative", str(caught.value))
+    with pytest.raises(DegenerateError, match="no conjugate net"):
+        lattice(x, to_a, to_b, lambda x, a, b: to_b(a))
+    # The common transform: conjugate in all directions.
+    z = lattice(x, to_a, to_b, lambda x, a, b: common_transform(x, a, b, to_b(a)[0, 0]))
+    assert cn.conjugate_residuals(z)["planarity"] < 1e-9
+    # With the caller's condition; and with nothing to check.
+    with pytest.raises(DegenerateError, match="the given"):
+        lattice(x, to_a, to_b, residuals=cn.conjugate_residuals)
+    noise = np.random.default_rng(2).normal(size=x.shape)
+    with pytest.raises(DegenerateError, match="cannot be checked"):
+        lattice(x, lambda y: y + noise, lambda y: y + 2.0 * noise)
+
+
+def test_lattices_keep_the_class_of_their_transforms() -> None:
+    """Circular and A-nets: a wrong common transform is refused for each."""
+    y = evolve_circular_by_angles(
+        [
+            np.outer(np.arange(n), e) + 0.05 * np.outer(np.arange(n) ** 2, [1, 2, 1])
+            for n, e in zip((4, 3, 2, 2), (*np.eye(3), [0.4, 0.3, -0.6]), strict=True)
+        ],
+        dict.fromkeys(combinations(range(4), 2), 1.5),
+    )
+    x, a, b, both = y[:, :, 0, 0], y[:, :, 1, 0], y[:, :, 0, 1], y[:, :, 1, 1]
+    z = lattice(x, lambda _: a, lambda _: b, lambda *_: both)
+    assert np.array_equal(z, y)
+    # In the plane of the quad, but off its circle at one point.
+    off = both.copy()
+    off[1, 1] += 0.01 * (both - x)[1, 1]
+    with pytest.raises(DegenerateError, match="net, although"):
+        lattice(x, lambda _: a, lambda _: b, lambda *_: off)
 
 
 def test_common_transform_is_found_from_one_point() -> None:
@@ -282,12 +339,12 @@ def test_verify_sees_wrong_points(
     made, fill = cubes._from_cube, cubes._fill
     bump = np.array([[0.0], [0.0], [0.0], [1e-3]])
 
-    def wrong(net: Floats, subset: tuple[int, ...], verify: bool) -> None:
+    def wrong(net: Floats, subset: tuple[int, ...], verify: bool, limit: float) -> None:
         if subset != where:
-            fill(net, subset, verify)
+            fill(net, subset, verify, limit)
             return
         monkeypatch.setattr(cubes, "_from_cube", lambda *a: made(*a) + bump)
-        fill(net, subset, verify and checked)
+        fill(net, subset, verify and checked, limit)
         monkeypatch.setattr(cubes, "_from_cube", made)
 
     monkeypatch.setattr(cubes, "_fill", wrong)

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("01_canopy.py", "SupportStructure(normal"),
+        ("01_canopy.py", "SupportStructure(offset"),
         ("02_support_structure.py", "Prop. 5.2"),
         ("06_curvatures.py", "cotangent, angles"),
         ("07_minimal_surface.py", "edge offset: distance of vertex"),
