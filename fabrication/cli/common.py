@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated, Any
 
+import click
 import typer
 
 if TYPE_CHECKING:
@@ -17,12 +19,12 @@ app = typer.Typer(
     help="Discrete surfaces into things that can be built: torsion-free gridshells as checked "
     "STEP, STL and schedules.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",  # in "rich", units in brackets would be markup
 )
 
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+DONE, FAILED, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
+"""Exit codes: every check passed; a check failed; bad usage or input; a fault of the program."""
 
 Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
@@ -67,7 +69,7 @@ def errors(debug: bool) -> Iterator[None]:
     before = signal.signal(signal.SIGTERM, stop)
     try:
         yield
-    except typer.Exit:  # a RuntimeError to Python
+    except (typer.Exit, typer.Abort, click.ClickException):
         raise
     except DdgError as error:
         if debug:
@@ -77,7 +79,10 @@ def errors(debug: bool) -> Iterator[None]:
     except KeyboardInterrupt:
         typer.echo("interrupted: nothing was written", err=True)
         raise typer.Exit(INTERRUPTED) from None
-    except (OSError, MemoryError, ArithmeticError, RuntimeError, LookupError) as error:
+    except BrokenPipeError:  # the reader has what it wanted, as in `ddgfab net --list | head`
+        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
+        raise typer.Exit(DONE) from None
+    except Exception as error:
         if debug:
             raise
         kind = type(error).__name__
@@ -86,7 +91,7 @@ def errors(debug: bool) -> Iterator[None]:
             "This is a fault of ddgfab: run again with --debug and report it.",
             err=True,
         )
-        raise typer.Exit(BAD_INPUT) from None
+        raise typer.Exit(FAULT) from None
     finally:
         signal.signal(signal.SIGTERM, before)
 

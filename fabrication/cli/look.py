@@ -25,13 +25,13 @@ def inspect_command(
 
         read = read_mesh(mesh, scale)
         report = inspect(read.mesh)
-    if as_json:
-        record = {"file": read.file, "sha256": read.sha256, "notes": list(read.notes)}
-        typer.echo(json.dumps({**record, **report.to_dict()}, indent=1))
-        return
-    for note in read.notes:
-        typer.echo(f"note: {note}")
-    typer.echo(report.text())
+        if as_json:
+            record = {"file": read.file, "sha256": read.sha256, "notes": list(read.notes)}
+            typer.echo(json.dumps({**record, **report.to_dict()}, indent=1))
+            return
+        for note in read.notes:
+            typer.echo(f"note: {note}")
+        typer.echo(report.text())
 
 
 @app.command("check")

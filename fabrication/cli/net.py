@@ -64,7 +64,7 @@ def net_command(
         counts = "" if circles is None else _write_circles(circles, mesh)
         target = output or Path(f"{kind}.obj")
         write_mesh(target, mesh)
-    typer.echo(f"{summary}\n{mesh!r}\nwritten to {target} [mm]{counts}")
+        typer.echo(f"{summary}\n{mesh!r}\nwritten to {target} [mm]{counts}")
 
 
 def _write_circles(path: Path, mesh: Mesh) -> str:

@@ -1,0 +1,8 @@
+"""`python -m fabrication` is the program `ddgfab`."""
+
+from __future__ import annotations
+
+from fabrication.cli import main
+
+if __name__ == "__main__":
+    main()

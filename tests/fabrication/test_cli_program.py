@@ -1,0 +1,71 @@
+"""The program itself: version, exit codes of faults, readers that stop reading."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from ddgfab.forms import canopy
+from ddgfab.io import write_obj
+from fabrication.cli import app
+from fabrication.version import package_version
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = [sys.executable, "-m", "fabrication"]
+
+
+def test_version_needs_no_command() -> None:
+    result = CliRunner().invoke(app, ["--version"])
+    assert result.exit_code == 0
+    assert result.output == f"ddgfab {package_version()}\n"
+
+
+def test_help_offers_shell_completion() -> None:
+    assert "--install-completion" in CliRunner().invoke(app, ["--help"]).output
+
+
+@pytest.mark.parametrize("fault", [ValueError, TypeError, RuntimeError, KeyError])
+def test_a_fault_of_the_program_has_its_own_exit_code(
+    fault: type[Exception], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*args: object) -> None:
+        raise fault("broken")
+
+    write_obj(tmp_path / "roof.obj", canopy(panels_along=4, panels_across=3))
+    monkeypatch.setattr("ddgfab.measures.inspect", broken)
+    result = CliRunner().invoke(app, ["inspect", str(tmp_path / "roof.obj")])
+    assert result.exit_code == 3
+    assert fault.__name__ in result.output
+    assert "fault of ddgfab" in result.output
+    assert "Traceback" not in result.output
+    shown = CliRunner().invoke(app, ["inspect", str(tmp_path / "roof.obj"), "--debug"])
+    assert isinstance(shown.exception, fault)
+
+
+def test_bad_usage_keeps_exit_code_2() -> None:
+    assert CliRunner().invoke(app, ["inspect"]).exit_code == 2
+    assert CliRunner().invoke(app, ["inspect", "none.obj"]).exit_code == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [["net", "--list"], ["inspect", "roof.obj", "--json"]])
+def test_a_closed_pipe_is_no_fault(words: list[str], tmp_path: Path) -> None:
+    """The reader is gone before the first line, as with `| head` on a longer output."""
+    write_obj(tmp_path / "roof.obj", canopy(panels_along=4, panels_across=3))
+    with subprocess.Popen(
+        [*PROGRAM, *words],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={"PYTHONPATH": str(ROOT)},
+    ) as job:
+        assert job.stdout is not None
+        assert job.stderr is not None
+        job.stdout.close()
+        said = job.stderr.read().decode()
+        assert job.wait(timeout=60) == 0, said
+    assert said == ""
