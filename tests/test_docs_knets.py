@@ -89,8 +89,9 @@ def test_both_halves_of_a_picture_are_near(name: str, monkeypatch: pytest.Monkey
     """Nodes of the net lie on the smooth surface but for the error of its steps."""
     net, sheet = script(monkeypatch).pair(name)
     gap = cKDTree(sheet.mesh.vertices).query(net.vertices)[0]
-    assert np.median(gap) < 0.02 * net.diameter
-    assert gap.max() < 0.06 * net.diameter
+    size = np.linalg.norm(np.ptp(net.vertices, axis=0))
+    assert np.median(gap) < 0.02 * size
+    assert gap.max() < 0.06 * size
 
 
 @pytest.mark.slow

@@ -67,7 +67,8 @@ import importlib, sys
 class Blocked:
     def find_spec(self, name, path=None, target=None):
         top = name.split('.')[0]
-        if top not in sys.stdlib_module_names | {{'ddgfab', 'numpy', 'scipy'}}:
+        own = top.startswith('_sysconfigdata')  # of the interpreter's build, not in its list
+        if not own and top not in sys.stdlib_module_names | {{'ddgfab', 'numpy', 'scipy'}}:
             raise ModuleNotFoundError(f'{{name}} is blocked', name=name)
 
 sys.meta_path.insert(0, Blocked())
