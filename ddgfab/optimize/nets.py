@@ -303,9 +303,13 @@ def _advice(
     if keep != "close" and not (isinstance(keep, float | int) and keep <= 0.2):
         return (("keep", "close"),)
     edge = result.change.edge
+    finest = result.prices[-1] if result.prices else None
     for price in reversed(result.prices):
         near = price.distance_mean < 0.9 * limits.distance_mean * edge
-        if near and price.distance_max < 0.9 * limits.distance_max * edge and price.percent < 5:
+        near &= price.distance_max < 0.9 * limits.distance_max * edge
+        # A step that is hardly nearer than the result would miss the same limit again.
+        nearer = finest is not None and price.distance_max < 0.9 * finest.distance_max
+        if near and nearer and price.percent < 5:
             return (("flat", float(f"{1.05 * price.percent:.2g}")),)
     change = result.change
     needed = (

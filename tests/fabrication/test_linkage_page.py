@@ -142,11 +142,24 @@ def test_a_browser_draws_it_without_a_network(tmp_path: Path) -> None:
     options = (
         "--headless=new --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader "
         "--ignore-gpu-blocklist --proxy-server=127.0.0.1:9 --window-size=1000,800 "
-        f"--user-data-dir={tmp_path / 'profile'} --virtual-time-budget=8000 --screenshot={shot}"
+        f"--user-data-dir={tmp_path / 'profile'} --virtual-time-budget=8000 --screenshot={shot} "
+        "--enable-logging=stderr"
     )
-    subprocess.run(
-        [str(CHROMIUM), *options.split(), path.as_uri()], capture_output=True, timeout=120
+    # The slider is moved as a reader would do it, so that faults of that path show too.
+    moved = path.read_text("utf-8").replace(
+        "</body>",
+        "<script>setTimeout(() => { slider.value = 1; slider.oninput(); }, 3000);</script></body>",
     )
+    path.write_text(moved, "utf-8")
+    done = subprocess.run(
+        [str(CHROMIUM), *options.split(), path.as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    faults = [line for line in done.stderr.splitlines() if "Uncaught" in line]
+    assert not faults
     picture = np.asarray(Image.open(shot).convert("RGB")).astype(int)
     blue = (picture[:, :, 2] - picture[:, :, 0] > 60) & (picture[:, :, 2] > 90)
     assert blue[100:560].sum() > 500, "the links of the first group are not to be seen"

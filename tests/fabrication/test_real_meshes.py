@@ -104,7 +104,7 @@ def test_triangles_are_offered_the_central_structure(mesh_file: MeshFile, tmp_pa
 @pytest.mark.parametrize(
     ("name", "edge_mm", "optimize", "lean"),
     [
-        ("botanic_garden_bubble", 1000, ["goal=conical"], 7.0),
+        ("botanic_garden_bubble", 1000, ["goal=conical", "keep=close", "boundary=glide"], 15.0),
         (
             "heart",
             1200,
