@@ -5,8 +5,9 @@ from __future__ import annotations
 from ddgfab.measures import interior_angles
 from ddgfab.optimize.change import Change
 from ddgfab.optimize.energy import Keep
-from ddgfab.optimize.families import FamiliesResult, families
+from ddgfab.optimize.families_goal import FamiliesResult, families
 from ddgfab.optimize.forecast import forecast_text
+from ddgfab.optimize.gauss_newton import Solution, SolveOptions, Step, polish, solve
 from ddgfab.optimize.goals import Goal, expected, optimize
 from ddgfab.optimize.limits import Limits
 from ddgfab.optimize.path import PathOptions
@@ -14,8 +15,7 @@ from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
 from ddgfab.optimize.quality import Quality, folded_faces, roughness
 from ddgfab.optimize.result import Forecast, OptimizeResult, Price
 from ddgfab.optimize.rim import Boundary
-from ddgfab.optimize.solve import Solution, SolveOptions, Step, polish, solve
-from ddgfab.optimize.torsion_free import TorsionFreeResult, torsion_free
+from ddgfab.optimize.torsion_goal import TorsionFreeResult, torsion_free
 
 __all__ = [
     "Boundary",

@@ -11,7 +11,7 @@ from ddgfab.errors import InputError, OptimizeError
 from ddgfab.measures import dihedral_angles
 from ddgfab.mesh import Ints, Mesh
 from ddgfab.optimize.energy import Keep
-from ddgfab.optimize.families import families
+from ddgfab.optimize.families_goal import families
 from ddgfab.optimize.forecast import forecast_of
 from ddgfab.optimize.frame import Frame
 from ddgfab.optimize.limits import Limits, named
@@ -24,7 +24,7 @@ from ddgfab.optimize.terms import (
     conicality_terms,
     planarity_terms,
 )
-from ddgfab.optimize.torsion_free import torsion_free
+from ddgfab.optimize.torsion_goal import torsion_free
 
 FLAT_PERCENT: Final = 0.2
 """How flat faces are made by default: what a pane of glass takes up."""

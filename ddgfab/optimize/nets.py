@@ -15,13 +15,13 @@ from ddgfab.optimize.barriers import barriers
 from ddgfab.optimize.energy import Keep, Weights, energy
 from ddgfab.optimize.forecast import forecast_of, forecast_text
 from ddgfab.optimize.frame import Frame, element_ids
+from ddgfab.optimize.gauss_newton import Step
 from ddgfab.optimize.limits import Limits, ids
 from ddgfab.optimize.path import PathOptions, Waypoint, follow
 from ddgfab.optimize.problem import Following, Problem, Term
 from ddgfab.optimize.quality import reflex_faces
 from ddgfab.optimize.result import Forecast, OptimizeResult, Price
 from ddgfab.optimize.rim import Boundary, Constraints, impossible_faces
-from ddgfab.optimize.solve import Step
 from ddgfab.optimize.surface import SmoothSurface
 from ddgfab.optimize.terms.nearness import NearRim, NearSurface
 

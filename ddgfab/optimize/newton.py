@@ -2,8 +2,8 @@
 
 Minimise F(x) = sum of weight * |residual|^2 / 2 over soft terms under c(x) = 0 of hard terms. Where
 soft and hard terms pull strongly against each other the multipliers are large, and Gauss-Newton
-steps (`ddgfab.optimize.solve`), which know nothing of the curvature of the equations, run to and
-fro. Here each stage minimises the augmented Lagrangian F + <force, c> + |c|^2 / 2 eps by Newton
+steps (`ddgfab.optimize.gauss_newton`), which know nothing of the curvature of the equations, run to
+and fro. Here each stage minimises the augmented Lagrangian F + <force, c> + |c|^2 / 2 eps by Newton
 steps with that curvature; eps falls from stage to stage, so that the unknowns find their way while
 the equations are still soft. The last stages correct the multipliers, and a projection onto the
 equations (least movement) ends in rounding.
@@ -23,8 +23,8 @@ from scipy.sparse.linalg import splu
 
 from ddgfab.errors import OptimizeError
 from ddgfab.mesh import Floats
+from ddgfab.optimize.gauss_newton import Progress, Solution, Step
 from ddgfab.optimize.problem import Problem, Term
-from ddgfab.optimize.solve import Progress, Solution, Step
 from ddgfab.optimize.terms.base import LocalTerm
 from ddgfab.optimize.torsion_terms import Power
 

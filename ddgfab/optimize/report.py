@@ -8,10 +8,10 @@ from typing import Any, Final
 import numpy as np
 
 from ddgfab.optimize.change import Change
-from ddgfab.optimize.families import FamiliesResult
+from ddgfab.optimize.families_goal import FamiliesResult
 from ddgfab.optimize.limits import ids
 from ddgfab.optimize.result import OptimizeResult
-from ddgfab.optimize.torsion_free import TorsionFreeResult
+from ddgfab.optimize.torsion_goal import TorsionFreeResult
 
 WORST: Final = 5
 """How many of the vertices that moved furthest a report names."""

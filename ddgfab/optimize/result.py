@@ -10,7 +10,7 @@ import numpy as np
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize.change import Change
-from ddgfab.optimize.solve import Step
+from ddgfab.optimize.gauss_newton import Step
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from ddgfab.support.choose import SupportKind, support_structure
 from ddgfab.support.edge import beam_heights, edge_axes, koebe_field
 from ddgfab.support.even import even_lean
 from ddgfab.support.exact import cone_axes, reflected_axes
-from ddgfab.support.optimize import OptimizeOptions, optimize
+from ddgfab.support.nearest_axes import OptimizeOptions, optimize
 from ddgfab.support.parallel import parallel_axes, parallel_field
 from ddgfab.support.propagate import node_torsion, propagate_axes
 from ddgfab.support.structure import SupportStructure

@@ -12,7 +12,7 @@ from ddgfab.mesh import Floats, Mesh
 from ddgfab.support.asymptotic import ASYMPTOTIC_BEND, edge_bend, surface_normals
 from ddgfab.support.edge import edge_axes
 from ddgfab.support.exact import cone_axes, reflected_axes
-from ddgfab.support.optimize import optimize
+from ddgfab.support.nearest_axes import optimize
 from ddgfab.support.parallel import parallel_axes
 from ddgfab.support.structure import SupportStructure
 from ddgfab.support.triangles import central, refuse_triangles

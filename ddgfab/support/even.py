@@ -6,7 +6,7 @@ import numpy as np
 
 from ddgfab.errors import SupportError
 from ddgfab.mesh import Mesh
-from ddgfab.support.optimize import optimize
+from ddgfab.support.nearest_axes import optimize
 from ddgfab.support.structure import SupportStructure
 
 _LEAST_WEIGHT = 1e-3

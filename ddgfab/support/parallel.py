@@ -12,7 +12,7 @@ from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.support.optimize import tangent_frames
+from ddgfab.support.nearest_axes import tangent_frames
 
 PENALTY = 1e7
 """Weight of the edge conditions against the distance to the target, both without unit."""

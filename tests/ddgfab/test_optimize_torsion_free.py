@@ -15,7 +15,7 @@ from ddgfab.io import read_mesh
 from ddgfab.measures import lean, planarity_percent, torsion
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import TorsionFreeResult, folded_faces, optimize, torsion_free
-from ddgfab.optimize.torsion_free import LIMITS
+from ddgfab.optimize.torsion_goal import LIMITS
 from ddgfab.support import even_lean, support_structure
 from ddgfab.tolerances import TORSION_EXACT_DEG
 
@@ -143,7 +143,7 @@ def test_fixed_vertices_stay() -> None:
 
 
 def test_a_ladder_that_is_climbed_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = importlib.import_module("ddgfab.optimize.torsion_free")
+    module = importlib.import_module("ddgfab.optimize.torsion_goal")
     monkeypatch.setattr(module, "LIMITS", ((0.001, 0.01), (15.0, 0.5)))
     result = torsion_free(vault(count=3))
     check(result)

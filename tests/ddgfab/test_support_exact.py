@@ -28,7 +28,7 @@ from ddgfab.support import (
     reflected_axes,
     support_structure,
 )
-from ddgfab.support.optimize import jacobian, tangent_frames
+from ddgfab.support.nearest_axes import jacobian, tangent_frames
 from ddgfab.support.parallel import edge_conditions
 
 

@@ -16,7 +16,7 @@ from ddgfab.io import read_mesh
 from ddgfab.measures import lean, torsion
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.support import OptimizeOptions, even_lean, optimize
-from ddgfab.support.optimize import _hessian, constraints, jacobian, tangent_frames
+from ddgfab.support.nearest_axes import _hessian, constraints, jacobian, tangent_frames
 
 
 def rough_grid(rows: int, cols: int, seed: int = 5, noise: float = 0.05) -> Mesh:

@@ -14,7 +14,7 @@ from ddgfab.nets import vertex_normals
 from ddgfab.nets.axes import circle_axes
 from ddgfab.nets.conical import best_normal, circular_to_conical
 from ddgfab.support import SupportStructure, incircle_axes, node_torsion, propagate_axes
-from ddgfab.support.optimize import jacobian, tangent_frames
+from ddgfab.support.nearest_axes import jacobian, tangent_frames
 
 
 def axes_of(x: Floats, data: Floats) -> Floats:

@@ -25,6 +25,7 @@ import numpy as np
 from ddgfab.errors import DegenerateError, InputError, OptimizeError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Ints, Mesh, unit
+from ddgfab.optimize.gauss_newton import SolveOptions, Step, polish, solve
 from ddgfab.optimize.problem import Problem, Term, mean_edge
 from ddgfab.optimize.quality import folded_faces
 from ddgfab.optimize.repetition import (
@@ -36,7 +37,6 @@ from ddgfab.optimize.repetition import (
     pieces,
 )
 from ddgfab.optimize.result import OptimizeResult
-from ddgfab.optimize.solve import SolveOptions, Step, polish, solve
 from ddgfab.optimize.terms import closeness, planarity_terms
 from ddgfab.optimize.terms.base import LocalTerm
 from ddgfab.optimize.torsion_problem import boundary_terms, smooth_change

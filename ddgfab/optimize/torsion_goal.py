@@ -19,11 +19,11 @@ import numpy as np
 from ddgfab.errors import DegenerateError, InputError, OptimizeError
 from ddgfab.measures import planarity_percent, torsion
 from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.optimize.gauss_newton import Step
 from ddgfab.optimize.newton import newton
 from ddgfab.optimize.problem import Problem, Term, mean_edge
 from ddgfab.optimize.quality import Quality, folded_faces
 from ddgfab.optimize.result import OptimizeResult
-from ddgfab.optimize.solve import Step
 from ddgfab.optimize.torsion_problem import TorsionFreeOptions, boundary_terms, terms_of
 from ddgfab.optimize.torsion_terms import AXES
 from ddgfab.support.even import even_lean
