@@ -99,15 +99,15 @@ def _add_result(
         clim=(0.0, top if top > 0 else 1.0),
         scalar_bar_args={
             "color": "black",
-            "n_labels": 5,
+            "n_labels": 4,  # none below the title
             "fmt": "%.0f" if top >= _WHOLE_MM else "%.3g",
             "title_font_size": 20,
             "label_font_size": 20,
-            "vertical": True,
-            "position_x": 0.88,
-            "position_y": 0.5,
-            "width": 0.06,
-            "height": 0.42,
+            "vertical": False,  # below the model, which may reach to the right margin
+            "position_x": 0.25,
+            "position_y": 0.02,
+            "width": 0.5,
+            "height": 0.07,
         },
         **shade,
     )
