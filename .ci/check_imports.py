@@ -65,13 +65,10 @@ ROOMS = [
     "table",
     "pictures",
     "handover",
+    "job",
     "gridshell",
     "motion",
     "linkage",
-    "job",
-    "records",
-    "pipeline",
-    "kits",
     "cli",
 ]
 

@@ -10,20 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fabrication.gridshell.design import Design, design
-    from fabrication.kits.job import make_kit
+    from fabrication.job.run import JobResult, make
     from fabrication.linkage.kit import Kit, kit
-    from fabrication.pipeline import JobResult, make
 
-__all__ = ["Design", "JobResult", "Kit", "design", "kit", "make", "make_kit"]
+__all__ = ["Design", "JobResult", "Kit", "design", "kit", "make"]
 
 _HOMES = {
     "Design": "fabrication.gridshell.design",
     "design": "fabrication.gridshell.design",
-    "JobResult": "fabrication.pipeline",
-    "make": "fabrication.pipeline",
+    "JobResult": "fabrication.job.run",
+    "make": "fabrication.job.run",
     "Kit": "fabrication.linkage.kit",
     "kit": "fabrication.linkage.kit",
-    "make_kit": "fabrication.kits.job",
 }
 
 

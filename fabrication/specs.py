@@ -152,12 +152,16 @@ class Profile:
 
 @dataclass(frozen=True)
 class Check:
-    """One check of one part: what was measured against which limit."""
+    """One check of one part: what was measured against which limit.
+
+    other : mark of the second piece where the check is between two; each of them has such a check
+    """
 
     name: str
     passed: bool
     value: float | str | None = None
     limit: float | str | None = None
+    other: str | None = None
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, overload
 
@@ -28,7 +28,7 @@ class Table(Sequence[Row]):
     ['mark', 'mass_kg', 'mass_lb']
     """
 
-    def __init__(self, rows: Iterable[Row], name: str = "table") -> None:
+    def __init__(self, rows: Iterable[Mapping[str, Any]], name: str = "table") -> None:
         self.rows = [dict(row) for row in rows]
         self.name = name
 

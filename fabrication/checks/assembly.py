@@ -60,8 +60,8 @@ def check_assembly(
 
     A piece without faults has one Check "clearance" that passed; its value is the least of what its
     pairs have in hand over their limits [mm], or None without near neighbours. A piece with faults
-    has one failing Check "clearance to MARK" for each neighbour that is too near: value is the gap
-    [mm], negative for the depth of a penetration, against the limit.
+    has one failing Check "clearance" for each neighbour that is too near, its `other`: value is the
+    gap [mm], negative for the depth of a penetration, against the limit.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def check_assembly(
     for clash in report.clashes:
         for here, there in (clash.marks, clash.marks[::-1]):
             checks.setdefault(here, []).append(
-                Check(f"clearance to {there}", False, clash.gap, clash.limit)
+                Check("clearance", False, clash.gap, clash.limit, there)
             )
     for family in families:
         for instance in family.instances:

@@ -11,8 +11,8 @@ import typer
 from fabrication.cli.common import Debug, app, comma_list, errors, progress, sections_of
 
 if TYPE_CHECKING:
+    from fabrication.job.run import JobResult
     from fabrication.linkage.kit import Kit
-    from fabrication.pipeline import JobResult
 
 
 @app.command("linkage")
@@ -55,8 +55,9 @@ def linkage_command(
 ) -> None:
     """A Bennett linkage, a 12-bar cube or a whole K-net as a kit that prints and moves."""
     with errors(debug), progress() as report:
+        from fabrication.formats.registry import needs_kernel
         from fabrication.job.pool import worker_pool
-        from fabrication.kits.job import make_kit
+        from fabrication.job.run import make
         from fabrication.linkage.kit import detail_kit, find_kit_project
 
         begin = time.perf_counter()
@@ -69,9 +70,11 @@ def linkage_command(
             sections, "output", jobs=jobs, formats=None if formats is None else comma_list(formats)
         )
         project = find_kit_project(source, sections)
-        with worker_pool(project.output.jobs) as pool:  # loads the kernel while this one designs
+        checked = project.checks.verify != "none"
+        kernel = needs_kernel(project.output.formats, checked=checked)
+        with worker_pool(project.output.jobs, kernel=kernel) as pool:
             made = detail_kit(project, report)
-            result = make_kit(made, output, pool=pool, progress=report)
+            result = make(made, output, pool=pool, progress=report)
         seconds = time.perf_counter() - begin
     _report(made, result, seconds)
     raise typer.Exit(result.exit_code)

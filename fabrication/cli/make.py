@@ -13,7 +13,7 @@ from fabrication.cli.common import Debug, app, comma_list, errors, progress, sec
 if TYPE_CHECKING:
     from ddgfab.mesh import Ints
     from fabrication.gridshell.design import Design
-    from fabrication.pipeline import JobResult
+    from fabrication.job.run import JobResult
 
 
 @app.command("make")
@@ -40,9 +40,10 @@ def make_command(
 ) -> None:
     """From a mesh or project to checked CAD files and schedules."""
     with errors(debug), progress() as report:
+        from fabrication.formats.registry import needs_kernel
         from fabrication.gridshell.design import design_net, find_project, load_net
         from fabrication.job.pool import worker_pool
-        from fabrication.pipeline import make
+        from fabrication.job.run import make
 
         begin = time.perf_counter()
         sections = sections_of(change or [])
@@ -56,7 +57,9 @@ def make_command(
         if verify is not None:
             sections["checks"] = {**sections.get("checks", {}), "verify": verify}
         project = find_project(source, sections)
-        with worker_pool(project.output.jobs) as pool:  # loads the kernel while this one designs
+        checked = project.checks.verify != "none"
+        kernel = needs_kernel(project.output.formats, checked=checked)
+        with worker_pool(project.output.jobs, kernel=kernel) as pool:
             plan = design_net(project, load_net(project), report)
             result = make(plan, output, pool=pool, progress=report)
         seconds = time.perf_counter() - begin

@@ -114,6 +114,11 @@ class Part:
         """Solid of the CAD kernel, made when first asked for."""
         return solid_of(self.shape)
 
+    def release(self) -> None:
+        """Let the solid go where the boundary makes it again; it takes much memory."""
+        if self.boundary is not None:
+            self.__dict__.pop("solid", None)
+
     def __getstate__(self) -> dict[str, Any]:
         """Between processes without boundary and solid, which are made again where needed."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
@@ -161,8 +166,9 @@ class Format:
     name : in [output] formats, and of the folder of the parts
     suffixes : of its files, the first one when they are written
     parts : whether it has a file a part number
-    report : whether its whole tells what failed: written last, by the process of the job itself
-    needs, needs_to_check : modules, and what pip installs for them
+    report : whether its whole names what failed: written last, by the process of the job itself
+    printing : whether it is for printers: written by default only of products that are printed
+    needs, needs_to_check : modules, and the packages that pip installs for them
     libraries : distributions whose versions belong into the manifest
     """
 
@@ -170,6 +176,7 @@ class Format:
     suffixes: ClassVar[tuple[str, ...]]
     parts: ClassVar[bool] = False
     report: ClassVar[bool] = False
+    printing: ClassVar[bool] = False
     needs: ClassVar[Mapping[str, str]] = {}
     needs_to_check: ClassVar[Mapping[str, str]] = {}
     libraries: ClassVar[tuple[str, ...]] = ()
@@ -201,6 +208,11 @@ class Format:
             Missing, of another format, truncated or broken; or the format has nothing to inspect.
         """
         raise InputError(f"files of format {self.name} cannot be inspected", file=str(path))
+
+    @classmethod
+    def writes_whole(cls) -> bool:
+        """Whether there are files of the whole in this format."""
+        return cls.write_whole is not Format.write_whole
 
     @classmethod
     def inspects(cls) -> bool:

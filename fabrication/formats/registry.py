@@ -31,6 +31,16 @@ def names() -> tuple[str, ...]:
     return tuple(dict.fromkeys([*MODULES, *_REGISTERED]))
 
 
+def defaults(*, printed: bool) -> tuple[str, ...]:
+    """Names of the formats that a product is written in where its project names none.
+
+    Parameters
+    ----------
+    printed : whether the product is made by printers
+    """
+    return tuple(name for name in MODULES if printed or not find(name).printing)
+
+
 def register(format: Format) -> None:
     """Add a format under its name, or put it in the place of the one that has this name."""
     _REGISTERED[format.name] = format
@@ -61,7 +71,7 @@ def check_names(given: Iterable[str], known: Iterable[str]) -> None:
     known = tuple(known)
     for name in given:
         if name not in known:
-            raise InputError(f'"{name}" is unknown; {suggestion(name, known)}')
+            raise InputError(f'format "{name}" is unknown; {suggestion(name, known)}')
 
 
 def missing(formats: Iterable[Format], *, checked: bool) -> None:
@@ -81,11 +91,13 @@ def missing(formats: Iterable[Format], *, checked: bool) -> None:
                 why = "" if module in format.needs else " to be read back"
                 raise InputError(
                     f'format "{format.name}" needs {module}{why}, which is not installed: '
-                    f"pip install '{install}'\n"
+                    f"pip install {install}\n"
                     "Or leave the format out (--formats)."
                 )
 
 
-def needs_kernel(formats: Iterable[Format], *, checked: bool) -> bool:
-    """Whether the checks of some format load the CAD kernel."""
-    return checked and any("OCP" in format.needs_to_check for format in formats)
+def needs_kernel(formats: Iterable[str], *, checked: bool) -> bool:
+    """Whether the checks of some format load the CAD kernel; names of a product's own are passed
+    over."""
+    known = names()
+    return checked and any("OCP" in find(n).needs_to_check for n in formats if n in known)

@@ -28,7 +28,7 @@ class Xlsx(Format):
 
     name = "xlsx"
     suffixes = (".xlsx",)
-    needs = {"xlsxwriter": "ddgfab[xlsx]"}  # noqa: RUF012
+    needs = {"xlsxwriter": "xlsxwriter"}  # noqa: RUF012
     libraries = ("xlsxwriter",)
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:

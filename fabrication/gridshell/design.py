@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from fabrication.gridshell.schedules import schedules
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family
 from fabrication.table import Table
+
+if TYPE_CHECKING:
+    from fabrication.gridshell.product import GridshellProduct
 
 Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] | None"
 """A project file, a mesh file, a mesh, (vertices, faces), or None for the built-in example."""
@@ -108,6 +111,12 @@ class Design:
     def panels(self) -> Table:
         """Schedule of the panels, as in panels.csv."""
         return self.schedules["panels"]
+
+    def product(self) -> GridshellProduct:
+        """What the job makes of it; see `fabrication.job`."""
+        from fabrication.gridshell.product import GridshellProduct
+
+        return GridshellProduct(self)
 
     def to_build123d(self) -> Any:
         """A labelled `build123d.Compound`: children Beams, Nodes, Panels with a solid a piece."""

@@ -15,12 +15,19 @@ from ddgfab.optimize import Boundary, Goal, Keep
 from ddgfab.suggest import suggestion
 from ddgfab.support import SupportKind
 from ddgfab.tolerances import LEAN_LIMIT_DEG
-from fabrication.project.sections import Degrees, Finite, NotNegative, Positive, Section
+from fabrication.project.sections import (
+    Degrees,
+    Finite,
+    NotNegative,
+    OutputSettings,
+    Positive,
+    Section,
+    Verify,
+)
 from fabrication.specs import Profile
 from fabrication.standards import bolt_hole, density, polygon, profile, stock_size
 
 VertexIds = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(strict=False)]
-Format = Literal["step", "stl", "3mf", "glb", "csv", "xlsx"]
 BoltSize = Literal["none", "M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
 
 MESH: Final = "mesh"
@@ -287,31 +294,13 @@ class CheckSettings(Section):
     min_angle_deg: Annotated[float, Field(ge=0, le=120)] = 25.0
     torsion_deg: Degrees = 0.1
     family_tolerance_mm: NotNegative = 0.1
-    verify: Literal["all", "sample", "none"] = "all"
+    verify: Verify = "all"
 
     @model_validator(mode="after")
     def _ordered(self) -> CheckSettings:
         if self.bend_percent < self.flat_percent:
             raise ValueError("bend_percent must not be less than flat_percent")
         return self
-
-
-class OutputSettings(Section):
-    """[output].
-
-    Attributes
-    ----------
-    formats : files to write; manifest and preview are always written
-    jobs : processes; 0 = as many as there are cores
-    step_schema : "AP214" opens almost everywhere, "AP242" is newer
-    author, organization : for the STEP headers
-    """
-
-    formats: tuple[Format, ...] = Field(default=("step", "stl", "glb", "csv", "xlsx"), strict=False)
-    jobs: Annotated[int, Field(ge=0, le=256)] = 0
-    step_schema: Literal["AP214", "AP242"] = "AP214"
-    author: str = ""
-    organization: str = ""
 
 
 class Project(Section):

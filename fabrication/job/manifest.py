@@ -15,7 +15,8 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
-from fabrication.specs import Check, Placement
+from fabrication.formats.base import Part
+from fabrication.specs import Check, Family, Placement
 from fabrication.version import package_version
 
 MANIFEST: Final = "manifest.json"
@@ -26,16 +27,39 @@ GENERATOR: Final = "ddgfab"
 PLACEMENT_DIGITS: Final = 12
 """Decimals of placements [1 and mm] in the manifest."""
 
-_LIBRARIES: Final = (
-    "numpy",
-    "scipy",
-    "cadquery-ocp",
-    "build123d",
-    "cadquery",
-    "manifold3d",
-    "plotly",
-    "rectpack",
-)
+_LIBRARIES: Final = ("numpy", "scipy", "cadquery-ocp", "manifold3d")
+"""Distributions that shape every product; formats and products name others."""
+
+
+def part_records(
+    families: Sequence[Family], parts: Mapping[str, Part], checks: Mapping[str, Sequence[Check]]
+) -> list[dict[str, Any]]:
+    """The manifest's parts, by mark.
+
+    Parameters
+    ----------
+    parts : by part number
+    checks : by mark
+    """
+    records = []
+    for family in families:
+        part = parts[family.number]
+        for instance in family.instances:
+            turn, shift = instance.placement[:3, :3], instance.placement[:3, 3]
+            placed = part.mesh.vertices @ turn.T + shift
+            records.append(
+                part_record(
+                    mark=instance.mark,
+                    number=family.number,
+                    role=family.role,
+                    placement=instance.placement,
+                    volume_mm3=part.properties.volume,
+                    mass_kg=part.mass,
+                    bbox_mm=np.stack([placed.min(axis=0), placed.max(axis=0)]),
+                    checks=checks[instance.mark],
+                )
+            )
+    return sorted(records, key=lambda record: str(record["mark"]))
 
 
 def part_record(
@@ -69,29 +93,34 @@ def part_record(
 
 
 def check_record(check: Check) -> dict[str, Any]:
-    """A check of the manifest: name, passed, value, limit."""
-    return {
+    """A check of the manifest: name, passed, value, limit; the other piece's mark if there is."""
+    record = {
         "name": check.name,
         "passed": bool(check.passed),
         "value": check.value,
         "limit": check.limit,
     }
+    return record if check.other is None else {**record, "other": check.other}
 
 
 def build_manifest(
     *,
     project: str,
-    input: Mapping[str, Any],
-    settings: Mapping[str, Any],
-    net: Mapping[str, Any],
-    support: Mapping[str, Any],
+    facts: Mapping[str, Any],
     parts: Sequence[Mapping[str, Any]],
     files: Sequence[Mapping[str, Any]],
     timings_s: Mapping[str, float],
     extra_checks: Iterable[Check] = (),
+    libraries: Iterable[str] = (),
     complete: bool = True,
 ) -> dict[str, Any]:
-    """The whole manifest as plain data; `checks` counts those of the parts and the extra ones."""
+    """The whole manifest as plain data; `checks` counts those of the parts and the extra ones.
+
+    Parameters
+    ----------
+    facts : entries of the product's own, such as input, settings and net
+    libraries : distributions whose versions are listed beside those of every product
+    """
     outcomes = [check["passed"] for part in parts for check in part["checks"]]
     extra = [check_record(check) for check in extra_checks]
     outcomes += [check["passed"] for check in extra]
@@ -101,10 +130,7 @@ def build_manifest(
         "complete": complete,
         "project": project,
         "units": "mm",
-        "input": dict(input),
-        "settings": dict(settings),
-        "net": dict(net),
-        "support": dict(support),
+        **facts,
         "checks": {
             "passed": sum(outcomes),
             "failed": len(outcomes) - sum(outcomes),
@@ -112,7 +138,7 @@ def build_manifest(
         },
         "parts": list(parts),
         "files": list(files),
-        "versions": library_versions(),
+        "versions": library_versions(libraries),
         "timings_s": {step: round(float(time), 4) for step, time in timings_s.items()},
     }
 
@@ -133,10 +159,10 @@ def file_records(folder: Path) -> list[dict[str, Any]]:
     return sorted(records, key=lambda record: str(record["path"]))
 
 
-def library_versions() -> dict[str, str]:
-    """Versions of ddgfab and of the libraries that shape its output."""
+def library_versions(libraries: Iterable[str] = ()) -> dict[str, str]:
+    """Versions of ddgfab and of the libraries that shape its output, the given ones included."""
     versions = {"ddgfab": package_version()}
-    for library in _LIBRARIES:
+    for library in dict.fromkeys((*_LIBRARIES, *libraries)):
         try:
             versions[library] = version(library)
         except PackageNotFoundError:

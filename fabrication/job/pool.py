@@ -1,4 +1,4 @@
-"""Where the work on parts runs: processes with the kernel loaded, or this process."""
+"""Where the work on parts runs: processes, or this process."""
 
 from __future__ import annotations
 
@@ -23,13 +23,19 @@ class Workers(Protocol):
 
 
 @contextmanager
-def worker_pool(jobs: int) -> Iterator[Workers]:
-    """Processes that have the kernel loaded; `jobs` = 0: one a core, 1: this process."""
+def worker_pool(jobs: int, *, kernel: bool = True) -> Iterator[Workers]:
+    """Processes to work in.
+
+    Parameters
+    ----------
+    jobs : how many; 0: one a core, 1: this process
+    kernel : whether they load the CAD kernel at once, while this process designs
+    """
     count = jobs or os.cpu_count() or 1
     if count == 1:
         yield _Here()
         return
-    pool = _Processes(count)
+    pool = _Processes(count, kernel)
     try:
         yield pool
     finally:
@@ -39,9 +45,11 @@ def worker_pool(jobs: int) -> Iterator[Workers]:
 class _Processes(ProcessPoolExecutor):
     """A pool whose workers start at once, leave Ctrl-C to this process and end with it."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, kernel: bool) -> None:
         self._others = active_children()
-        super().__init__(count, mp_context=get_context("spawn"), initializer=_warm_up)
+        super().__init__(
+            count, mp_context=get_context("spawn"), initializer=_begin, initargs=(kernel,)
+        )
         with _interrupts_ignored():  # inherited by the workers
             for _ in range(count):
                 self.submit(_ready)
@@ -81,9 +89,11 @@ def _interrupts_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _warm_up() -> None:
-    """Of a worker: end with the parent, load the kernel and keep it quiet."""
+def _begin(kernel: bool) -> None:
+    """Of a worker: end with the parent; if asked, load the kernel and keep it quiet."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    if not kernel:
+        return
     from fabrication.formats.step.xcaf import mute
     from fabrication.solids.kernel import load_kernel
 

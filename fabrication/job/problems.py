@@ -12,9 +12,6 @@ from fabrication.specs import Check, Role
 SHOWN: Final = 5
 """How many parts a problem names in its text; the manifest names all."""
 
-BETWEEN: Final = " to "
-"""In the name of a check between two pieces, before the other one's mark."""
-
 UNITS: Final = {"_deg": "deg", "_mm": "mm", "_percent": "%", "_kg": "kg", "_mm3": "mm3"}
 """Units by the ending of a check's name."""
 
@@ -67,13 +64,12 @@ def problems_of(
     for mark, check in checks:
         if check.passed:
             continue
-        name, between, other = check.name.partition(BETWEEN)
-        if not between:
-            found[roles[mark], name].append((mark, check))
-        elif (roles[mark], mark) < (roles[other], other):  # both pieces tell of a clash
-            found[roles[mark], f"{name}{between}{roles[other]}s_mm"].append(
-                (f"{mark}/{other}", check)
-            )
+        other = check.other
+        if other is None:
+            found[roles[mark], check.name].append((mark, check))
+        elif (roles[mark], mark) < (roles[other], other):  # both pieces have the check
+            name = f"{check.name} to {roles[other]}s_mm"
+            found[roles[mark], name].append((f"{mark}/{other}", check))
     problems = []
     for (role, name), members in sorted(found.items()):
         # Worst is farthest from the limit, whichever side of it is the wrong one.

@@ -13,8 +13,13 @@ from numpy.typing import NDArray
 from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats
+from fabrication.formats.base import Format, Whole
 from fabrication.linkage.page import MovingScene
 from fabrication.pictures.preview import ADVICE, camera
+from fabrication.specs import Check
+
+ANIMATION: Final = "motion.gif"
+"""Name of the file."""
 
 SIZE: Final = (640, 480)
 """Pixels across and down."""
@@ -33,6 +38,35 @@ COLORS: Final = 64
 
 _SAMPLES: Final = 2  # drawn so many times finer than shown, each way
 _LOOK: Final = {"ambient": 0.45, "diffuse": 0.70, "specular": 0.15, "specular_power": 15}
+
+
+class Gif(Format):
+    """GIF: motion.gif, the scene moving."""
+
+    name = "gif"
+    suffixes = (".gif",)
+
+    def __init__(self, scene: MovingScene) -> None:
+        self.scene = scene
+
+    def write_whole(self, folder: Path, whole: Whole) -> list[str]:
+        """See `write_animation`; a machine without graphics is no fault of the linkage."""
+        try:
+            write_animation(folder / ANIMATION, self.scene)
+        except OutputError as error:
+            return [f"no {ANIMATION}: {error}"]
+        return []
+
+    def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
+        """Read back: endless, with a picture a pose there and back; equal ones may be one."""
+        from PIL import Image
+
+        there = len(chosen(len(self.scene.values)))
+        with Image.open(folder / ANIMATION) as picture:
+            found, endless = getattr(picture, "n_frames", 1), picture.info.get("loop") == 0
+        most = max(1, 2 * there - 2)
+        moves = min(most, 2) <= found <= most
+        return [Check("gif pictures", endless and moves, float(found), float(most))]
 
 
 def write_animation(path: Path, scene: MovingScene, *, size: tuple[int, int] = SIZE) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +28,9 @@ from fabrication.solids import mesh_of
 from fabrication.specs import Family, Instance, Role
 from fabrication.standards import density, mass_kg
 from fabrication.table import Table
+
+if TYPE_CHECKING:
+    from fabrication.linkage.product import KitProduct
 
 SHOWN: Final = 2
 """Pairs of parts that are named at either end of the free range; the manifest names all."""
@@ -206,6 +209,12 @@ class Kit:
                 moved = tuple(Instance(i.mark, motions[i.mark][0]) for i in own)
                 placed.append(replace(family, instances=moved))
         return tuple(placed)
+
+    def product(self) -> KitProduct:
+        """What the job makes of it; see `fabrication.job`."""
+        from fabrication.linkage.product import KitProduct
+
+        return KitProduct(self)
 
     def to_build123d(self, angle: float | None = None) -> Any:
         """A labelled `build123d.Compound` at a driving angle [rad], by default the design's.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -17,9 +17,13 @@ import numpy as np
 from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats
+from fabrication.formats.base import Format, Whole
 from fabrication.formats.tables import decimals
-from fabrication.specs import TriangleMesh
+from fabrication.specs import Check, TriangleMesh
 from fabrication.table import Table
+
+REPORT: Final = "report.html"
+"""Name of the file."""
 
 AIR: Final = 0.03
 """Room left around the moving model, as a part of its size."""
@@ -86,6 +90,42 @@ class Page:
     notes: Sequence[str]
     problems: Sequence[str]
     tables: Mapping[str, Table]
+
+
+class Html(Format):
+    """HTML: report.html, the scene under a slider beside facts, problems and schedules.
+
+    Parameters
+    ----------
+    page : makes the page of schedules by name and of lines that name what failed
+    """
+
+    name = "html"
+    suffixes = (".html",)
+    report = True
+    needs = {"plotly": "plotly"}  # noqa: RUF012
+    libraries = ("plotly",)
+
+    def __init__(
+        self, scene: MovingScene, page: Callable[[Mapping[str, Table], Sequence[str]], Page]
+    ) -> None:
+        self.scene, self.page = scene, page
+
+    def write_whole(self, folder: Path, whole: Whole) -> list[str]:
+        """See `page_html`."""
+        tables = {name: Table(rows, name) for name, rows in (whole.tables or {}).items()}
+        write_page(folder / REPORT, self.page(tables, whole.problems), self.scene)
+        return []
+
+    def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
+        """Read back: a heading and as many rows as schedules have, and a line a problem."""
+        text = (folder / REPORT).read_text(encoding="utf-8")
+        rows = sum(len(table) + 1 for table in (whole.tables or {}).values())
+        found, lines = text.count("<tr>"), text.count('<p class="bad">')
+        return [
+            Check("html rows", found == rows, float(found), float(rows)),
+            Check("html problems", lines == len(whole.problems), float(lines), len(whole.problems)),
+        ]
 
 
 def write_page(path: Path, page: Page, scene: MovingScene) -> None:

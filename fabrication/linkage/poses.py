@@ -32,8 +32,8 @@ def check_poses(
     """The clearance checks of every piece that moves over several poses, by mark.
 
     A piece without faults has one Check "clearance" that passed; one with faults a failing Check
-    "clearance to MARK" for each neighbour that comes too near: value is the least gap [mm],
-    negative for the depth of a penetration, against the limit.
+    "clearance" for each neighbour that comes too near, which is its `other`: value is the least gap
+    [mm], negative for the depth of a penetration, against the limit.
 
     The certificate of the motion is of the exact shapes between all poses; this measures the meshes
     that are written, independently, in some poses.
@@ -66,7 +66,7 @@ def check_poses(
     for clash in worst.values():
         for here, there in (clash.marks, clash.marks[::-1]):
             checks.setdefault(here, []).append(
-                Check(f"clearance to {there}", False, clash.gap, clash.limit)
+                Check("clearance", False, clash.gap, clash.limit, there)
             )
     return {mark: checks.get(mark, [Check("clearance", True)]) for mark in hinges}
 

@@ -1,15 +1,13 @@
-"""How the parts of a kit are printed: which, how they lie, and the plates as 3MF."""
+"""How the parts of a kit are printed: which, how they lie, and on which plates."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.formats.threemf import Body3MF, Item3MF, threemf_bytes
 from fabrication.linkage.plates import Bed, Plate, Printed, plates
 from fabrication.linkage.schedules import is_printed
 from fabrication.linkage.settings import LinkageSettings
@@ -59,28 +57,3 @@ def laid_out(
     """
     parts = printed_parts(families, meshes, settings)
     return parts, plates(parts, bed)
-
-
-def write_plates(
-    folder: Path, families: Sequence[Family], parts: Sequence[Printed], filled: Sequence[Plate]
-) -> dict[Path, list[tuple[str, TriangleMesh, int]]]:
-    """Write plate_1.3mf, plate_2.3mf, ...; by path what `check_threemf` has to find in each."""
-    colors = {family.number: family.kind.color for family in families}
-    folder.mkdir(parents=True, exist_ok=True)
-    written = {}
-    for place, plate in enumerate(filled, 1):
-        used = list(dict.fromkeys(standing.part for standing in plate))
-        bodies = [
-            Body3MF(parts[at].number, parts[at].mesh, colors[parts[at].number]) for at in used
-        ]
-        items = [
-            Item3MF(used.index(standing.part), standing.mark, standing.placement)
-            for standing in plate
-        ]
-        path = folder / f"plate_{place}.3mf"
-        path.write_bytes(threemf_bytes(bodies, items, path.stem))
-        counts = [sum(standing.part == at for standing in plate) for at in used]
-        written[path] = [
-            (body.name, body.mesh, count) for body, count in zip(bodies, counts, strict=True)
-        ]
-    return written

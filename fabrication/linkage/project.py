@@ -7,23 +7,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, ClassVar, Final
 
 from pydantic import Field, ValidationError, field_validator
 
 from ddgfab.errors import ProjectError
 from ddgfab.linkages import Mechanism
 from ddgfab.suggest import nearest
+from fabrication.formats.registry import defaults
+from fabrication.linkage.animation import Gif
 from fabrication.linkage.kinds import BennettLinkage, CrabLinkage, CubeLinkage, KNetLinkage
+from fabrication.linkage.page import Html
 from fabrication.linkage.plates import BED_MM, GAP_MM, MARGIN_MM, Bed
 from fabrication.linkage.settings import LabelStyle, LinkageSettings, PinKind, settings_for
 from fabrication.project.load import changed, explain, find_line, read_toml, sections_in, unknown
-from fabrication.project.sections import NotNegative, Positive, Section
+from fabrication.project.sections import (
+    NotNegative,
+    OutputSettings,
+    Positive,
+    Section,
+    Verify,
+)
 from fabrication.standards.printers import printer
-
-Format = Literal["step", "stl", "3mf", "glb", "csv", "xlsx", "html", "gif"]
-
-FORMATS: Final[tuple[Format, ...]] = ("step", "stl", "3mf", "glb", "csv", "xlsx", "html", "gif")
 
 
 class NameSettings(Section):
@@ -113,22 +118,21 @@ class MotionSettings(Section):
     poses: Annotated[int, Field(ge=2, le=400)] = 61
 
 
-class OutputSettings(Section):
-    """[output].
+class CheckSettings(Section):
+    """[checks] verify : which files are read back: "all", "sample" (one in ten) or "none"."""
 
-    Attributes
-    ----------
-    formats : files to write; manifest and preview are always written
-    jobs : processes; 0 = as many as there are cores. Kits have few part numbers: one is soonest
-    step_schema : "AP214" opens almost everywhere, "AP242" is newer
-    author, organization : for the STEP headers
-    """
+    verify: Verify = "all"
 
-    formats: tuple[Format, ...] = Field(default=FORMATS, strict=False)
+
+class KitOutput(OutputSettings):
+    """[output], with formats that move; kits have few part numbers: one process is soonest."""
+
+    own_formats: ClassVar[tuple[str, ...]] = (Html.name, Gif.name)
+
+    formats: Annotated[tuple[str, ...], Field(strict=False)] = Field(
+        default_factory=lambda: (*defaults(printed=True), Html.name, Gif.name)
+    )
     jobs: Annotated[int, Field(ge=0, le=256)] = 1
-    step_schema: Literal["AP214", "AP242"] = "AP214"
-    author: str = ""
-    organization: str = ""
 
 
 class KitProject(Section):
@@ -139,7 +143,8 @@ class KitProject(Section):
     printer: PrinterSettings = PrinterSettings()
     parts: PartsSettings = PartsSettings()
     motion: MotionSettings = MotionSettings()
-    output: OutputSettings = OutputSettings()
+    checks: CheckSettings = CheckSettings()
+    output: KitOutput = KitOutput()
     file: Path | None = Field(default=None, exclude=True)
 
     @property

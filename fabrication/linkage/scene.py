@@ -1,26 +1,21 @@
-"""The moving scene of a kit, the text of its report, its pictures."""
+"""The moving scene of a kit, and the text of its report."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from ddgfab.errors import OutputError
 from ddgfab.linkages import Pose
 from ddgfab.mesh import Floats
-from fabrication.linkage.animation import write_animation
 from fabrication.linkage.kit import Kit
 from fabrication.linkage.page import ContactNote, Group, MovingPiece, MovingScene, Page
 from fabrication.motion.free_range import Contact
 from fabrication.parts.link import LINK
-from fabrication.pictures.preview import write_preview
 from fabrication.solids import mesh_of
-from fabrication.specs import Family, Instance, Shape, TriangleMesh
+from fabrication.specs import Family, Instance, Shape
 from fabrication.table import Table
 
 SEEN_CHORD_MM: Final = 0.2
@@ -140,28 +135,6 @@ def broad_axes(pose: Pose) -> Floats:
         axes[:, k] *= np.sign(axes[np.abs(axes[:, k]).argmax(), k])
     axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
     return np.asarray(axes, dtype=np.float64)
-
-
-def write_pictures(
-    folder: Path,
-    families: Sequence[Family],
-    meshes: Mapping[str, TriangleMesh],
-    failed: Collection[str],
-    scene: MovingScene | None,
-) -> tuple[list[str], float]:
-    """Write preview.png and, of a scene, motion.gif: warnings, and seconds.
-
-    A machine without graphics is no fault of the linkage: no pictures then, and a warning.
-    """
-    begin = time.perf_counter()
-    warnings = []
-    try:
-        write_preview(folder / "preview.png", families, meshes, failed)
-        if scene is not None:
-            write_animation(folder / "motion.gif", scene)
-    except OutputError as error:
-        warnings.append(f"no pictures: {error}")
-    return warnings, time.perf_counter() - begin
 
 
 def lying_broad(kit: Kit) -> tuple[Family, ...]:

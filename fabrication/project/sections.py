@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Iterable
+from typing import Annotated, ClassVar, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from ddgfab.errors import InputError
+from fabrication.formats.base import Schema
+from fabrication.formats.registry import check_names, defaults, names
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Degrees = Annotated[float, Field(ge=0, le=180)]
+Verify: TypeAlias = Literal["all", "sample", "none"]
+"""Which files are read back: those of every part number, of one in ten, or none."""
 
 
 class Section(BaseModel):
@@ -21,3 +28,35 @@ class Section(BaseModel):
     def keys(cls) -> set[str]:
         """The keys that a file may have in this section."""
         return set(cls.model_fields)
+
+
+class OutputSettings(Section):
+    """[output].
+
+    Attributes
+    ----------
+    formats : files to write; manifest and preview are always written
+    jobs : processes; 0 = as many as there are cores
+    step_schema : "AP214" opens almost everywhere, "AP242" is newer
+    author, organization : for the STEP headers
+    """
+
+    own_formats: ClassVar[tuple[str, ...]] = ()
+    """Names of formats that the product brings itself."""
+
+    formats: Annotated[tuple[str, ...], Field(strict=False)] = Field(
+        default_factory=lambda: defaults(printed=False)
+    )
+    jobs: Annotated[int, Field(ge=0, le=256)] = 0
+    step_schema: Schema = "AP214"
+    author: str = ""
+    organization: str = ""
+
+    @field_validator("formats")
+    @classmethod
+    def _known(cls, value: Iterable[str]) -> tuple[str, ...]:
+        try:
+            check_names(value, (*names(), *cls.own_formats))
+        except InputError as error:
+            raise ValueError(str(error)) from None
+        return tuple(dict.fromkeys(value))

@@ -8,7 +8,7 @@ import pytest
 from roofs import barrel
 
 from fabrication.gridshell.design import Design, design
-from fabrication.pipeline import JobResult, make
+from fabrication.job.run import JobResult, make
 
 
 @pytest.fixture(scope="session")

@@ -110,10 +110,10 @@ def test_both_marks_the_gap_and_the_limit_are_named() -> None:
     checks = check_assembly(families, meshes, {("beam", "node"): 0.5})
     (check,) = checks["B-0000"]
     assert not check.passed
-    assert check.name == "clearance to N-0000"
+    assert (check.name, check.other) == ("clearance", "N-0000")
     assert check.value == pytest.approx(0.2, abs=1e-9)
     assert check.limit == 0.5
-    assert checks["N-0000"][0].name == "clearance to B-0000"
+    assert checks["N-0000"][0].other == "B-0000"
     (alone,) = checks["N-0001"]
     assert alone.passed
     assert faults(check_assembly(families, meshes, {("node", "beam"): 0.2})) == {}

@@ -38,10 +38,12 @@ def manifest(**changes: Any) -> dict[str, Any]:
     )
     content: dict[str, Any] = {
         "project": "roof",
-        "input": {"file": "a.obj"},
-        "settings": {},
-        "net": {"worst": np.array([1, 2]), "bad": float("nan")},
-        "support": {"kind": "normal", "torsion_deg_max": 1e-9},
+        "facts": {
+            "input": {"file": "a.obj"},
+            "settings": {},
+            "net": {"worst": np.array([1, 2]), "bad": float("nan")},
+            "support": {"kind": "normal", "torsion_deg_max": 1e-9},
+        },
         "parts": [part],
         "files": [],
         "timings_s": {"net": 0.123456},

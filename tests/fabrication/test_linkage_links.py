@@ -17,8 +17,9 @@ from ddgfab.linkages import Mechanism, knet_mechanism
 from ddgfab.nets.knet import amsler
 from fabrication.checks.mesh import to_manifold
 from fabrication.families import families
-from fabrication.formats.step import Header, Material
-from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
+from fabrication.formats.base import About, Header, Material
+from fabrication.formats.registry import find
+from fabrication.job.part import Shop, make_part, read_back
 from fabrication.linkage.coupon import coupon_shape
 from fabrication.linkage.detail import detail_linkage, touching_parts
 from fabrication.linkage.facing import facings
@@ -399,22 +400,13 @@ def test_printers_are_complete_and_sourced() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["loop", "loop printed", "wide net"])
 def test_every_part_passes_every_check_of_solid_mesh_and_files(name: str, tmp_path: Path) -> None:
-    (tmp_path / "parts" / "step").mkdir(parents=True)
-    (tmp_path / "parts" / "stl").mkdir()
-    found = KITS[name]()
-    settings = PartSettings(
-        folder=tmp_path,
-        step=True,
-        stl=True,
-        chord=0.05,
-        schema="AP214",
-        header=Header("", "", ""),
-        materials={family.role: Material("PLA", 1240.0) for family in found.families},
-    )
-    for family in found.families:
-        result = make_part(PartJob(family.number, family.kind, family.shape), settings)
-        task = (result.number, result.properties.volume, result.mesh, result.files)
-        checks = (*result.checks, *verify_parts([task])[0][result.number])
+    formats = (find("step"), find("stl"))
+    for format in formats:
+        (tmp_path / "parts" / format.name).mkdir(parents=True)
+    shop = Shop(tmp_path, formats, About("kit", Header()), 0.05)
+    for family in KITS[name]().families:
+        made = make_part(family, Material("PLA", 1240.0), shop)
+        checks = (*made.checks, *read_back([made.part], shop)[0][family.number])
         assert all(check.passed for check in checks), [c for c in checks if not c.passed]
 
 

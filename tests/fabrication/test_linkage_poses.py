@@ -43,7 +43,7 @@ def faults(made: Kit, angle: float) -> set[frozenset[str]]:
     """Pairs of marks that the meshes find too near in one pose."""
     found = check_poses(made, meshes_of(made), angle)
     return {
-        frozenset((mark, check.name.removeprefix("clearance to ")))
+        frozenset((mark, str(check.other)))
         for mark, checks in found.items()
         for check in checks
         if not check.passed

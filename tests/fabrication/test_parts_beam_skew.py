@@ -11,12 +11,13 @@ import pytest
 from parts_table import FLAT, FREE, HOLES, RHS, T_BAR, beam
 
 from ddgfab.errors import DetailError
-from fabrication.formats.step import Header, Material
-from fabrication.job.part import PartJob, PartSettings, make_part, verify_parts
+from fabrication.formats.base import About, Header, Material
+from fabrication.formats.registry import find
+from fabrication.job.part import Shop, make_part, read_back
 from fabrication.parts.beam import BEAM, BeamShape, CrossHole, EndCut, fibre_ends
 from fabrication.parts.beam.congruence import beam_variants
 from fabrication.solids import boundary_of, properties_of, second_volume_of, volume_of
-from fabrication.specs import Profile
+from fabrication.specs import Family, Profile
 
 
 def skew(
@@ -74,22 +75,14 @@ def test_a_skew_end_is_the_mirror_image_of_its_opposite() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPES)
 def test_part_passes_every_check_and_reads_back(name: str, tmp_path: Path) -> None:
-    for kind in ("step", "stl"):
-        (tmp_path / "parts" / kind).mkdir(parents=True)
-    steel = Material("Steel", 7850.0)
-    settings = PartSettings(
-        folder=tmp_path,
-        step=True,
-        stl=True,
-        chord=0.05,
-        schema="AP214",
-        header=Header("", "", "skew"),
-        materials={"beam": steel, "node": steel, "panel": steel},
-    )
-    part = make_part(PartJob("BP-001", BEAM, SHAPES[name]), settings)
-    assert [check for check in part.checks if not check.passed] == []
-    task = ("BP-001", part.properties.volume, part.mesh, part.files)
-    found, _ = verify_parts([task])
+    formats = (find("step"), find("stl"))
+    for format in formats:
+        (tmp_path / "parts" / format.name).mkdir(parents=True)
+    shop = Shop(tmp_path, formats, About("skew", Header("", "", "skew")), 0.05)
+    family = Family("BP-001", BEAM, SHAPES[name], (), 0.0)
+    made = make_part(family, Material("Steel", 7850.0), shop)
+    assert [check for check in made.checks if not check.passed] == []
+    found, _ = read_back([made.part], shop)
     assert len(found["BP-001"]) > 3
     assert [check for check in found["BP-001"] if not check.passed] == []
 

@@ -29,12 +29,16 @@ PLATES: Final = "plates"
 
 
 class ThreeMF(Format):
-    """3MF: a file a part number, and plates/plate_1.3mf, ... where the product is printed."""
+    """3MF: a file a part number, and plates/plate_1.3mf, ... where the product is printed.
+
+    Pieces that failed are on no plate.
+    """
 
     name = "3mf"
     suffixes = (".3mf",)
     parts = True
-    needs_to_check = {"lib3mf": "ddgfab[3mf]"}  # noqa: RUF012
+    printing = True
+    needs_to_check = {"lib3mf": "lib3mf"}  # noqa: RUF012
     libraries = ("lib3mf",)
 
     def write_part(self, path: Path, part: Part, about: About) -> None:
@@ -49,6 +53,9 @@ class ThreeMF(Format):
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """The print plates: an object a part number, an item a piece."""
         for path, used, plate in self._plates(folder, whole):
+            if not plate:
+                path.unlink(missing_ok=True)
+                continue
             path.parent.mkdir(parents=True, exist_ok=True)
             parts = [whole.parts[number] for number in used]
             bodies = [Body3MF(p.number, p.mesh, p.kind.color) for p in parts]
@@ -60,6 +67,8 @@ class ThreeMF(Format):
         """The plates read back and compared."""
         checks = []
         for path, used, plate in self._plates(folder, whole):
+            if not plate:
+                continue
             counts = [sum(number == other for other, _, _ in plate) for number in used]
             expected = [
                 (number, whole.parts[number].mesh, count)
@@ -75,9 +84,10 @@ class ThreeMF(Format):
         self, folder: Path, whole: Whole
     ) -> Iterator[tuple[Path, list[str], list[Standing]]]:
         """Path of each plate, its part numbers in their order, and what stands on it."""
-        for place, plate in enumerate(whole.plates, 1):
+        for place, standing in enumerate(whole.plates, 1):
+            plate = [piece for piece in standing if piece[1] not in whole.failed]
             used = list(dict.fromkeys(number for number, _, _ in plate))
-            yield folder / PLATES / f"plate_{place}.3mf", used, list(plate)
+            yield folder / PLATES / f"plate_{place}.3mf", used, plate
 
     def inspect(self, path: Path) -> FileReport:
         """Its meshes; placements are taken as rigid motions."""

@@ -20,12 +20,11 @@ from fabrication.checks.mesh import measure_mesh, to_manifold
 from fabrication.formats.step.read import read_step
 from fabrication.formats.stl import read_stl
 from fabrication.formats.threemf import read_threemf
-from fabrication.kits.job import make_kit
+from fabrication.job.run import JobResult, make
 from fabrication.linkage.kit import Kit, kit
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.parts.link import LinkShape
-from fabrication.pipeline import JobResult
 from fabrication.specs import TriangleMesh
 
 POSES = 50
@@ -40,7 +39,7 @@ def bennett() -> Kit:
 
 @pytest.fixture(scope="module")
 def made(bennett: Kit, tmp_path_factory: pytest.TempPathFactory) -> JobResult:
-    return make_kit(bennett, tmp_path_factory.mktemp("kits") / "bennett")
+    return make(bennett, tmp_path_factory.mktemp("kits") / "bennett")
 
 
 def meshes_of(folder: Path) -> dict[str, TriangleMesh]:
@@ -273,7 +272,7 @@ def test_read_back_meshes_never_meet_on_the_way(bennett: Kit, made: JobResult) -
 )
 def test_other_kits_never_meet_on_the_way_either(settings: dict[str, Any], tmp_path: Path) -> None:
     made = kit(**settings, output={"formats": ["stl"]})
-    result = make_kit(made, tmp_path / "kit")
+    result = make(made, tmp_path / "kit")
     assert result.exit_code == 0, result.problems
     found = check_poses(made, meshes_of(result.folder), made.angles(POSES))
     failed = [check for checks in found.values() for check in checks if not check.passed]
@@ -319,7 +318,7 @@ def test_a_kit_that_fails_a_check_says_so(bennett: Kit, tmp_path: Path) -> None:
         project=bennett.project.model_copy(update={"output": output}),
         moved=replace(bennett.moved, motion=wide),
     )
-    result = make_kit(claimed, tmp_path / "claimed")
+    result = make(claimed, tmp_path / "claimed")
     assert result.exit_code == 1
     assert any("clearance to links: " in line for line in result.problems), result.problems
     assert result.manifest["checks"]["failed"] > 0
@@ -395,7 +394,7 @@ def test_admesh_has_nothing_to_mend(made: JobResult) -> None:
 def test_the_same_kit_gives_the_same_files(
     bennett: Kit, made: JobResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    again = make_kit(bennett, tmp_path / "again")
+    again = make(bennett, tmp_path / "again")
     one, two = (
         {r["path"]: r["sha256"] for r in result.manifest["files"]} for result in (made, again)
     )
@@ -434,12 +433,12 @@ def test_solids_in_hand_at_any_pose(bennett: Kit) -> None:
 def test_fewer_formats_and_a_folder_of_somebody_else(bennett: Kit, tmp_path: Path) -> None:
     output = bennett.project.output.model_copy(update={"formats": ("stl", "csv")})
     few = replace(bennett, project=bennett.project.model_copy(update={"output": output}))
-    result = make_kit(few, tmp_path / "few")
+    result = make(few, tmp_path / "few")
     assert result.exit_code == 0
     endings = {path.suffix for path in result.folder.rglob("*.*")}
     assert endings == {".stl", ".csv", ".json", ".png"}
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "mine.txt").write_text("mine")
     with pytest.raises(OutputError, match="no output folder of ddgfab"):
-        make_kit(bennett, tmp_path / "taken")
+        make(bennett, tmp_path / "taken")
     assert [path.name for path in (tmp_path / "taken").iterdir()] == ["mine.txt"]

@@ -18,8 +18,8 @@ from roofs import barrel
 from ddgfab.errors import OutputError
 from fabrication.formats.stl import read_stl
 from fabrication.gridshell.design import Design, design
-from fabrication.pipeline import JobResult, make
-from fabrication.records import CHORD_MM
+from fabrication.gridshell.product import CHORD_MM
+from fabrication.job.run import JobResult, make
 
 pytestmark = pytest.mark.slow
 
@@ -138,7 +138,7 @@ def test_parts_beyond_a_limit_are_rejected_not_flattened(tmp_path: Path) -> None
 
 def test_an_interrupted_job_leaves_nothing(small_design: Design, tmp_path: Path) -> None:
     def interrupt(step: str, done: int, of: int) -> None:
-        if step == "model and preview":
+        if step == "files of the whole":
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

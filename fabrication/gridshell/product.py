@@ -1,0 +1,116 @@
+"""A gridshell as a product of the job."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from ddgfab.errors import OutputError
+from ddgfab.optimize.report import comparison
+from fabrication.checks.assembly import check_assembly
+from fabrication.formats.base import Material
+from fabrication.gridshell.design import Design
+from fabrication.gridshell.detailing.clearance import PANEL_CLEARANCE
+from fabrication.gridshell.schedules import schedules
+from fabrication.job.product import Product
+from fabrication.parts.beam import BEAM
+from fabrication.parts.node import NODE
+from fabrication.parts.panel import PANEL
+from fabrication.pictures.change import write_change
+from fabrication.specs import Check, Family, Role, TriangleMesh
+from fabrication.table import Table
+
+CHORD_MM: Final = 0.05
+"""Greatest distance [mm] of the meshes (STL, GLB, clearances) from the exact surfaces."""
+
+CHANGE: Final = "optimized.png"
+"""Name of the picture of what [optimize] did to the net."""
+
+
+class GridshellProduct(Product):
+    """A design of a gridshell, to be made."""
+
+    chord = CHORD_MM
+
+    def __init__(self, design: Design) -> None:
+        self.design = design
+        self.name = design.project.name
+        self.pieces, self.families = design.gridshell.pieces, design.families
+        self.output, self.verify = design.project.output, design.project.checks.verify
+        self.seconds = design.seconds
+
+    def material(self, role: Role) -> Material:
+        """Steel and glass, of the densities in the project."""
+        project = self.design.project
+        return {
+            BEAM.role: Material("Steel", project.beam.density),
+            NODE.role: Material("Steel", project.node.density),
+            PANEL.role: Material("Glass", project.panel.density),
+        }[role]
+
+    def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
+        """See `fabrication.gridshell.schedules`."""
+        return schedules(self.design.gridshell, self.families, masses)
+
+    def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:
+        """Gaps between neighbours that passed their limits; what is rejected clashes with none."""
+        return check_assembly(
+            self._within_limits(), meshes, clearances(self.design), tolerance=2 * CHORD_MM
+        )
+
+    def _within_limits(self) -> list[Family]:
+        """Families of pieces that passed their limits: all pieces of a family pass, or none."""
+        good = {piece.mark for piece in self.pieces if all(check.passed for check in piece.checks)}
+        return [family for family in self.families if family.instances[0].mark in good]
+
+    def facts(self) -> dict[str, Any]:
+        """Input, settings, net, support structure, and what [optimize] did."""
+        design = self.design
+        facts: dict[str, Any] = {
+            "input": {
+                "file": design.source.file,
+                "sha256": design.source.sha256,
+                "vertices": design.mesh.n_vertices,
+                "faces": design.mesh.n_faces,
+            },
+            "settings": design.project.settings,
+            "net": design.measures.to_dict(),
+            "support": design.support.to_dict(),
+        }
+        if design.optimized is not None:
+            facts["optimize"] = comparison(design.optimized)
+        return facts
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks of the reader and of the detailing."""
+        return [*self.design.source.notes, *self.design.gridshell.problems]
+
+    def write_extra(self, folder: Path) -> list[str]:
+        """A picture of what [optimize] did to the net."""
+        moved = self.design.optimized
+        if moved is None:
+            return []
+        try:
+            write_change(folder / CHANGE, moved.change)
+        except OutputError as error:
+            return [f"no {CHANGE}: {error}"]
+        return []
+
+
+def clearances(design: Design) -> dict[tuple[Role, Role], float]:
+    """Least gaps [mm] between neighbours: what the project asks for less what families may take.
+
+    A member may be off from its family's shape by the family's deviation, on either side.
+    """
+    project = design.project
+    loss = 2 * max((family.deviation for family in design.families), default=0.0)
+    to_steel = PANEL_CLEARANCE if project.panel.offset_mm == "auto" else 0.0
+    wanted: dict[tuple[Role, Role], float] = {
+        (BEAM.role, NODE.role): project.beam.clearance_mm,
+        (BEAM.role, PANEL.role): to_steel,
+        (NODE.role, PANEL.role): to_steel,
+        (PANEL.role, PANEL.role): project.panel.gap_mm,
+    }
+    return {roles: max(0.0, gap - loss) for roles, gap in wanted.items()}

@@ -1,0 +1,102 @@
+"""What a job needs to know of a product: a gridshell, a linkage, whatever comes next."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+from fabrication.formats.base import About, Format, Header, Material, Standing
+from fabrication.formats.registry import find
+from fabrication.project.sections import OutputSettings, Verify
+from fabrication.specs import Check, Family, Piece, Role, TriangleMesh
+from fabrication.table import Table
+
+
+class Product(ABC):
+    """A structure as numbers, before solids and files.
+
+    A product derives from this class and brings its names, pieces and schedules; what it does not
+    bring stays as it is here.
+
+    Attributes
+    ----------
+    name : of the project, and of the output folder by default
+    pieces, families : every piece, and all part numbers with their instances
+    chord : greatest distance [mm] of the meshes from the exact surfaces
+    output, verify : [output] of the project, and which files are read back
+    seconds : what its design took, by step
+    libraries : distributions that shape it, whose versions belong into the manifest
+    """
+
+    name: str
+    pieces: Sequence[Piece]
+    families: Sequence[Family]
+    chord: float
+    output: OutputSettings
+    verify: Verify
+    seconds: Mapping[str, float]
+    libraries: tuple[str, ...] = ()
+
+    @abstractmethod
+    def material(self, role: Role) -> Material:
+        """What parts of a role are made of."""
+
+    @abstractmethod
+    def schedules(self, masses: Mapping[str, float]) -> Mapping[str, Table]:
+        """Schedules by name, with the masses [kg] of the part numbers."""
+
+    @abstractmethod
+    def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:
+        """Checks of the distances between pieces, by mark; `meshes` by part number."""
+
+    @abstractmethod
+    def facts(self) -> dict[str, Any]:
+        """Entries of the manifest that are the product's own: input, settings, net, ..."""
+
+    @property
+    def placed(self) -> Sequence[Family]:
+        """Part numbers with the pieces that are put together, where the assembly has them."""
+        return self.families
+
+    @property
+    def shown(self) -> Sequence[Family]:
+        """The same where models and pictures have them."""
+        return self.placed
+
+    @property
+    def plates(self) -> Sequence[Sequence[Standing]]:
+        """For each print plate, what stands where on it."""
+        return ()
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """Remarks for people."""
+        return ()
+
+    def about(self) -> About:
+        """What files state of their origin."""
+        output = self.output
+        header = Header(output.author, output.organization, self.name)
+        return About(self.name, header, output.step_schema)
+
+    def format(self, name: str) -> Format:
+        """A format of [output] formats: of the registry, or of the product's own."""
+        return find(name)
+
+    def checks(self) -> list[Check]:
+        """Checks of the whole that need no files."""
+        return []
+
+    def write_extra(self, folder: Path) -> list[str]:
+        """Write files of the product's own; returns what could not be written."""
+        return []
+
+
+@runtime_checkable
+class Design(Protocol):
+    """What `make` takes besides a product: numbers of a structure that can be made."""
+
+    def product(self) -> Product:
+        """The product that is made of it."""

@@ -1,0 +1,338 @@
+"""The job: a product becomes parts, checks and files in one complete output folder."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, as_completed
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+from fabrication.formats import registry
+from fabrication.formats.base import Format, Part, Whole
+from fabrication.job.folder import OutputFolder, safe_name
+from fabrication.job.manifest import (
+    MANIFEST,
+    build_manifest,
+    file_records,
+    part_records,
+    write_manifest,
+)
+from fabrication.job.part import PARTS, Made, Shop, make_parts, read_back
+from fabrication.job.pool import Workers, worker_pool
+from fabrication.job.problems import Problem, problems_of
+from fabrication.job.product import Design, Product
+from fabrication.job.whole import draw, write_whole
+from fabrication.progress import Progress, silent
+from fabrication.specs import Check
+
+REJECTED: Final = "rejected"
+"""Folder, inside the output folder, of the parts that failed a check or a limit."""
+
+BATCH: Final = 24
+"""Most part numbers that a process takes at a time."""
+
+SHARES: Final = 16
+"""Small jobs are dealt out in so many batches."""
+
+SAMPLE: Final = 10
+"""`verify = "sample"` reads back one part number in so many."""
+
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JobResult:
+    """A finished job.
+
+    Attributes
+    ----------
+    folder : where everything is
+    manifest : what manifest.json says
+    problems : what failed a check or a limit, a line each
+    warnings : what could not be done but is no fault of the structure
+    """
+
+    folder: Path
+    manifest: dict[str, Any]
+    problems: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """0 when every check passed, else 1."""
+        return 1 if self.problems else 0
+
+    def __repr__(self) -> str:
+        parts = len(self.manifest["parts"])
+        state = f"{len(self.problems)} problems" if self.problems else "every check passed"
+        return f"JobResult({parts} parts in {self.folder}, {state})"
+
+
+def make(
+    design: Design | Product,
+    folder: str | Path | None = None,
+    *,
+    jobs: int = 1,
+    pool: Workers | None = None,
+    progress: Progress | None = None,
+) -> JobResult:
+    """Parts, checks and files of a design; the folder appears complete or not at all.
+
+    Parameters
+    ----------
+    design : what `design` or `kit` gave, or a product
+    folder : default outputs/<project name>
+    jobs : processes; 1 works in this one. More need a ``if __name__ == "__main__"`` guard in the
+        caller, as always with multiprocessing
+    pool : what `worker_pool` gave, to be used instead of `jobs`
+    progress : called as (step, done, of)
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written or is not ours to replace; nothing is changed then.
+    DdgError
+        A part cannot be made, or a package is missing that a format needs.
+    """
+    product = design if isinstance(design, Product) else design.product()
+    target = Path(folder) if folder is not None else Path("outputs") / safe_name(product.name)
+    formats = tuple(product.format(name) for name in product.output.formats)
+    verified = product.verify != "none"
+    registry.missing(formats, checked=verified)
+    kernel = registry.needs_kernel(product.output.formats, checked=verified)
+    with ExitStack() as stack:
+        workers = pool or stack.enter_context(worker_pool(jobs, kernel=kernel))
+        staging = stack.enter_context(OutputFolder(target))
+        own = tuple(format for format in formats if format.parts)
+        shop = Shop(staging, own, product.about(), product.chord)
+        job = _Job(product, formats, shop, target, workers, progress or silent)
+        try:
+            return job.run()
+        except BaseException:
+            workers.stop()  # before the staging folder goes, into which they write
+            raise
+
+
+class _Job:
+    """One run: the state that its steps share."""
+
+    def __init__(
+        self,
+        product: Product,
+        formats: Sequence[Format],
+        shop: Shop,
+        target: Path,
+        pool: Workers,
+        tell: Progress,
+    ) -> None:
+        self.product, self.shop, self.target = product, shop, target
+        self.formats = [format for format in formats if format.writes_whole()]
+        self.libraries = [name for format in formats for name in format.libraries]
+        self.pool, self.tell = pool, tell
+        self.seconds: dict[str, float] = dict(product.seconds)
+        self.warnings: list[str] = []
+        self.parts: dict[str, Part] = {}
+        self.of_number: dict[str, list[Check]] = {}
+        self.of_mark: dict[str, list[Check]] = {}
+
+    def run(self) -> JobResult:
+        """All steps; the manifest comes last.
+
+        The pool reads part files back while this process looks at clearances. The files of the
+        whole are written of what passed so far and, should reading back find more, again.
+        """
+        with self._timed("parts"):
+            self._make()
+        tasks = _batches(self._sample())
+        reading = [self.pool.submit(read_back, t, self.shop) for t in tasks[: len(tasks) // 3]]
+        with self._timed("clearances"):
+            self.tell("clearances", 0, 0)
+            meshes = {number: part.mesh for number, part in self.parts.items()}
+            self.of_mark = self.product.clearances(meshes)
+        failed = self._failed()
+        whole = self._whole(failed)
+        writing = self._write(whole)
+        reading += [self.pool.submit(read_back, t, self.shop) for t in tasks[len(tasks) // 3 :]]
+        with self._timed("files of the product"):
+            extra = self.product.checks()
+            self.warnings += self.product.write_extra(self.shop.folder)
+        with self._timed("waiting for the other processes"):
+            self._collect(reading)
+            found, warnings = self._collect_whole(writing)
+        if self._failed() != failed:
+            failed = self._failed()
+            whole = self._whole(failed)
+            found, warnings = self._collect_whole(self._write(whole))
+        self.warnings += warnings
+        self._reject(failed)
+        return self._finish(whole, [*extra, *found])
+
+    # --- parts -------------------------------------------------------------------------------
+    def _make(self) -> None:
+        """All part numbers, in the pool."""
+        families = self.product.families
+        orders = [(family, self.product.material(family.role)) for family in families]
+        for _, path in self.shop.files("any"):
+            path.parent.mkdir(parents=True, exist_ok=True)
+        futures = [self.pool.submit(make_parts, batch, self.shop) for batch in _batches(orders)]
+        for future in futures:
+            made: list[Made] = future.result()
+            for one in made:
+                self.parts[one.part.number] = one.part
+                self.of_number[one.part.number] = list(one.checks)
+                self._add(one.seconds)
+            self.tell("parts", len(self.parts), len(orders))
+
+    def _sample(self) -> list[Part]:
+        """The parts whose files are read back."""
+        every = {"all": 1, "sample": SAMPLE, "none": 0}[self.product.verify]
+        return list(self.parts.values())[::every] if every else []
+
+    def _collect(self, reading: Sequence[Future[Any]]) -> None:
+        """Wait for part files read back."""
+        for done, future in enumerate(as_completed(reading), 1):
+            found, seconds = future.result()
+            for number, checks in found.items():
+                self.of_number[number] += checks
+            self._add({"read back (all processes)": seconds})
+            self.tell("read back", done, len(reading))
+
+    def _checks(self) -> dict[str, list[Check]]:
+        """Every piece's checks: its limits, its part number's, its clearances."""
+        checks = {piece.mark: list(piece.checks) for piece in self.product.pieces}
+        for family in self.product.families:
+            for instance in family.instances:
+                checks[instance.mark] += self.of_number[family.number]
+                checks[instance.mark] += self.of_mark.get(instance.mark, ())
+        return checks
+
+    def _failed(self) -> frozenset[str]:
+        """Marks of the pieces that failed a check so far."""
+        checks = self._checks().items()
+        return frozenset(m for m, own in checks if not all(check.passed for check in own))
+
+    def _reject(self, failed: frozenset[str]) -> None:
+        """Files of numbers with a failing piece go to rejected/, alone where no piece is good."""
+        for family in self.product.families:
+            bad = [instance.mark in failed for instance in family.instances]
+            if not any(bad):
+                continue
+            for _, path in self.shop.files(family.number):
+                target = self.shop.folder / REJECTED / path.relative_to(self.shop.folder / PARTS)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                if all(bad):
+                    path.rename(target)
+                else:
+                    shutil.copy2(path, target)
+
+    # --- the whole ---------------------------------------------------------------------------
+    def _whole(self, failed: frozenset[str]) -> Whole:
+        """The structure as made, with its schedules."""
+        product = self.product
+        with self._timed("schedules"):
+            tables = product.schedules({number: p.mass for number, p in self.parts.items()})
+        return Whole(
+            about=self.shop.about,
+            parts=self.parts,
+            families=product.placed,
+            shown=product.shown,
+            failed=failed,
+            tables={name: table.rows for name, table in tables.items()},
+            plates=product.plates,
+        )
+
+    def _write(self, whole: Whole) -> list[Future[Any]]:
+        """Start writing the files of the whole, but for reports, and the preview."""
+        verify = self.product.verify != "none"
+        return [
+            *(
+                self.pool.submit(write_whole, format, self.shop.folder, whole, verify)
+                for format in self.formats
+                if not format.report
+            ),
+            self.pool.submit(draw, self.shop.folder, whole),
+        ]
+
+    def _collect_whole(self, writing: Sequence[Future[Any]]) -> tuple[list[Check], list[str]]:
+        """Wait for the files of the whole: their checks, and what could not be written."""
+        checks: list[Check] = []
+        warnings: list[str] = []
+        for done, future in enumerate(writing):
+            self.tell("files of the whole", done, len(writing))
+            missed, found, seconds = future.result()
+            warnings += missed
+            checks += found
+            self._add(seconds)
+        self.tell("files of the whole", len(writing), len(writing))
+        return checks, warnings
+
+    # --- the end -----------------------------------------------------------------------------
+    def _finish(self, whole: Whole, extra: list[Check]) -> JobResult:
+        """Gather the problems, write reports and manifest."""
+        checks = self._checks()
+        roles = {piece.mark: piece.kind.role for piece in self.product.pieces}
+        problems = problems_of(roles, ((mark, c) for mark, own in checks.items() for c in own))
+        lines = [str(problem) for problem in problems] + _lines(extra)
+        for format in self.formats:
+            if format.report:
+                told = replace(whole, problems=tuple(lines))
+                verify = self.product.verify != "none"
+                missed, found, seconds = write_whole(format, self.shop.folder, told, verify)
+                self.warnings += missed
+                self._add(seconds)
+                extra += found
+                lines += _lines(found)
+        self.tell("manifest", 0, 0)
+        manifest = self._manifest(checks, extra, problems)
+        write_manifest(self.shop.folder / MANIFEST, manifest)
+        return JobResult(self.target, manifest, tuple(lines), tuple(self.warnings))
+
+    def _manifest(
+        self,
+        checks: dict[str, list[Check]],
+        extra: Sequence[Check],
+        problems: Sequence[Problem],
+    ) -> dict[str, Any]:
+        """What manifest.json says."""
+        product = self.product
+        manifest = build_manifest(
+            project=product.name,
+            facts=product.facts(),
+            parts=part_records(product.families, self.parts, checks),
+            files=file_records(self.shop.folder),
+            timings_s=self.seconds,
+            extra_checks=extra,
+            libraries=(*product.libraries, *self.libraries),
+        )
+        manifest["problems"] = [problem.to_dict() for problem in problems]
+        manifest["notes"] = [*product.notes, *self.warnings]
+        return manifest
+
+    @contextmanager
+    def _timed(self, step: str) -> Iterator[None]:
+        begin = time.perf_counter()
+        yield
+        self._add({step: time.perf_counter() - begin})
+
+    def _add(self, seconds: dict[str, float]) -> None:
+        for step, value in seconds.items():
+            self.seconds[step] = self.seconds.get(step, 0.0) + value
+
+
+def _batches(items: Sequence[_T]) -> list[list[_T]]:
+    """The items in batches for one process each."""
+    size = max(1, min(BATCH, -(-len(items) // SHARES)))
+    return [list(items[i : i + size]) for i in range(0, len(items), size)]
+
+
+def _lines(checks: Sequence[Check]) -> list[str]:
+    """Checks of the whole that failed, a line each."""
+    return [
+        f"{c.name}: {c.value}" + ("" if c.limit is None else f" (limit {c.limit})")
+        for c in checks
+        if not c.passed
+    ]

@@ -1,0 +1,108 @@
+"""A kit of a linkage as a product of the job."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from fabrication.formats.base import Format, Material, Standing
+from fabrication.job.product import Product
+from fabrication.linkage.animation import Gif
+from fabrication.linkage.kit import Kit
+from fabrication.linkage.page import Html, MovingScene
+from fabrication.linkage.poses import check_poses
+from fabrication.linkage.printing import PRINTED_CHORD_MM
+from fabrication.linkage.scene import lying_broad, moving_scene, report_page
+from fabrication.linkage.schedules import kit_schedules
+from fabrication.motion.free_range import poses_to_confirm
+from fabrication.parts.pin import PIN
+from fabrication.specs import Check, Family, Role, TriangleMesh
+from fabrication.table import Table
+
+
+class KitProduct(Product):
+    """A kit, to be made. Meshes are finer than elsewhere, as they are printed."""
+
+    chord = PRINTED_CHORD_MM
+    libraries = ("rectpack",)
+
+    def __init__(self, kit: Kit) -> None:
+        self.kit = kit
+        self.name = kit.name
+        self.pieces, self.families = kit.linkage.pieces, kit.families
+        self.output, self.verify = kit.project.output, kit.project.checks.verify
+        self.seconds = kit.seconds
+
+    def material(self, role: Role) -> Material:
+        """What the printer prints; metal pins are of steel."""
+        settings = self.kit.linkage.settings
+        metal = role == PIN.role and settings.pin == "metal"
+        name = "Steel" if metal else settings.printer.material
+        return Material(name, self.kit.density(role))
+
+    def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
+        """See `fabrication.linkage.schedules`."""
+        return kit_schedules(self.kit.linkage, masses)
+
+    @cached_property
+    def placed(self) -> tuple[Family, ...]:
+        """What moves, in the design pose."""
+        return self.kit.placed()
+
+    @cached_property
+    def shown(self) -> tuple[Family, ...]:
+        """The same, turned so that it lies broad."""
+        return lying_broad(self.kit)
+
+    @cached_property
+    def plates(self) -> list[list[Standing]]:
+        """Print plates of all that is printed."""
+        numbers = [part.number for part in self.kit.printed]
+        return [
+            [(numbers[standing.part], standing.mark, standing.placement) for standing in plate]
+            for plate in self.kit.plates
+        ]
+
+    @cached_property
+    def _scene(self) -> MovingScene:
+        return moving_scene(self.kit)
+
+    def format(self, name: str) -> Format:
+        """A page and an animation that move, and all that every product has."""
+        if name == Html.name:
+            return Html(self._scene, partial(report_page, self.kit))
+        if name == Gif.name:
+            return Gif(self._scene)
+        return super().format(name)
+
+    def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:
+        """The meshes in the poses that confirm the proof of the motion."""
+        return check_poses(self.kit, meshes, poses_to_confirm(self.kit.motion, between=1))
+
+    def checks(self) -> list[Check]:
+        """That the linkage moves at all, and that its range is proven."""
+        motion = self.kit.motion
+        moved = float(np.degrees(motion.high - motion.low))
+        return [
+            Check("free range [deg]", moved > 0, moved, 0.0),
+            Check("free range is proven", motion.proven, motion.certificate),
+        ]
+
+    def facts(self) -> dict[str, Any]:
+        """Input, settings, mechanism and motion."""
+        path = self.kit.project.source
+        digest = None if path is None else hashlib.sha256(path.read_bytes()).hexdigest()
+        return {
+            "input": {"file": None if path is None else str(path), "sha256": digest},
+            "settings": self.kit.project.settings,
+            "net": self.kit.facts(),
+        }
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """Remarks for who prints and assembles the kit."""
+        return self.kit.notes
