@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import zipfile
@@ -11,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ddgfab.errors import OutputError
-from ddgfab.io.atomic import atomic_path
+from ddgfab.io.atomic import atomic_write
 from fabrication.formats.base import Format, Whole
 from fabrication.formats.tables import SCHEDULES, Row, columns_of, decimals, plain
 from fabrication.specs import Check
@@ -71,17 +72,20 @@ def write_xlsx(
         import xlsxwriter
     except ImportError as error:
         raise OutputError(f"{path}: needs xlsxwriter: pip install xlsxwriter") from error
-    options = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
-    with atomic_path(path) as temporary:
-        try:
-            with xlsxwriter.Workbook(str(temporary), options) as workbook:
-                workbook.set_properties({"created": _created()})
-                for name, rows in sheets.items():
-                    chosen = None if columns is None else columns.get(name)
-                    _sheet(workbook, name, rows, list(chosen or columns_of(rows)))
-        except xlsxwriter.exceptions.FileCreateError as error:
-            cause = error.args[0] if error.args else error
-            raise cause if isinstance(cause, OSError) else OSError(str(cause)) from error
+    options = {
+        "in_memory": True,  # a disk that is full would leave temporary files open
+        "strings_to_formulas": False,
+        "strings_to_urls": False,
+        "strings_to_numbers": False,
+    }
+    stream = io.BytesIO()
+    with xlsxwriter.Workbook(stream, options) as workbook:
+        workbook.set_properties({"created": _created()})
+        for name, rows in sheets.items():
+            chosen = None if columns is None else columns.get(name)
+            _sheet(workbook, name, rows, list(chosen or columns_of(rows)))
+    with atomic_write(path) as file:
+        file.write(stream.getvalue())
 
 
 def _sheet(workbook: Any, name: str, rows: Sequence[Row], names: list[str]) -> None:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import json
 import math
 import struct
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Final, Self
 
 import numpy as np
@@ -25,14 +26,18 @@ from fabrication.checks.mesh import check_mesh
 from fabrication.checks.solid import check_solid
 from fabrication.families import families
 from fabrication.formats.glb import glb_bytes
+from fabrication.formats.registry import defaults
 from fabrication.formats.step import Material, Product, assembly_bytes, part_bytes
 from fabrication.formats.stl import stl_bytes
 from fabrication.formats.threemf import Body3MF, threemf_bytes
 from fabrication.job.problems import problems_of
+from fabrication.job.product import Product as JobProduct
+from fabrication.job.run import make
 from fabrication.parts.node import NODE, NodeShape
+from fabrication.project.sections import OutputSettings, Verify
 from fabrication.solids import boundary_of, genus_of, mesh_of, realise, second_volume_of, solid_of
 from fabrication.solids.builder import BoundaryBuilder, Coedges
-from fabrication.specs import Check, Kind, Piece, Placement
+from fabrication.specs import Check, Kind, Piece, Placement, Role, TriangleMesh
 from fabrication.table import Table
 from fabrication.variants import Variants, key_of
 
@@ -273,3 +278,65 @@ def test_a_cut_is_made_by_the_kernel() -> None:
     assert [check.name for check in found if not check.passed] == []
     with_solid = Product("GP-001", GUSSET, solid, made.properties, STEEL)
     assert b"'GUSSETS'" in part_bytes(with_solid, "GP-001.step")
+
+
+class Brackets(JobProduct):
+    """A product of its own: gussets and a node, 1 mm apart or more."""
+
+    name = "brackets"
+    chord = 0.05
+    verify: Verify = "all"
+
+    def __init__(self, pieces: list[Piece]) -> None:
+        self.pieces, self.families = pieces, families(pieces)
+        self.output = OutputSettings(formats=defaults(printed=True))
+        self.seconds: dict[str, float] = {}
+
+    def material(self, role: Role) -> Material:
+        return STEEL
+
+    def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
+        rows = [
+            {"number": f.number, **f.shape.dimensions(), "mass_kg": masses[f.number]}
+            for f in self.families
+        ]
+        return {"brackets": Table(rows, name="brackets")}
+
+    def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:
+        limits = {("gusset", "gusset"): 1.0, ("gusset", "node"): 1.0}
+        return check_assembly(self.families, meshes, limits)
+
+    def facts(self) -> dict[str, Any]:
+        return {"input": {"file": None}, "settings": {}}
+
+
+@pytest.mark.slow
+def test_a_whole_job(tmp_path: Path) -> None:
+    """Every format, every check, manifest and exit code 0 with a kind that no room names."""
+    good = [piece for piece in pieces() if all(check.passed for check in piece.checks)]
+    result = make(Brackets(good), tmp_path / "brackets")
+    assert result.exit_code == 0, result.problems
+    manifest = result.manifest
+    assert manifest["checks"]["failed"] == 0
+    assert {part["role"] for part in manifest["parts"]} == {"gusset", "node"}
+    assert len(manifest["parts"]) == len(good)
+    gusset = manifest["parts"][0]
+    assert gusset["volume_mm3"] == pytest.approx(PLAIN.second_volume(), abs=1e-3)
+    assert gusset["mass_kg"] == pytest.approx(PLAIN.second_volume() * 7.85e-6, abs=1e-6)
+    names = {check["name"] for check in gusset["checks"]}
+    assert {"solid valid", "file volume", "stl watertight", "clearance"} <= names
+    paths = {record["path"] for record in manifest["files"]}
+    expected = {"assembly.step", "model.glb", "preview.png", "schedules/brackets.csv"}
+    expected |= {f"parts/{kind}/GP-001.{kind}" for kind in ("step", "stl", "3mf")}
+    assert expected <= paths
+
+
+@pytest.mark.slow
+def test_a_whole_job_with_a_piece_beyond_its_limit_and_a_clash(tmp_path: Path) -> None:
+    near = [Gusset("G-0005", 5, PLAIN, at(0.0, z=10.5)), *pieces()]
+    result = make(Brackets(near), tmp_path / "brackets")
+    assert result.exit_code == 1
+    assert len(result.problems) == 2
+    assert result.problems[0].startswith("clearance to gussets: 1 gusset (limit 1 mm): G-0000/")
+    assert result.problems[1].startswith("slope: 1 gusset (limit 10 deg): G-0004 12 deg")
+    assert (tmp_path / "brackets" / "rejected" / "step" / "GP-004.step").exists()
