@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ddgfab.curvature.area_newton import area_hessian
+from ddgfab.curvature.associated import AssociatedFamily, associated_family
 from ddgfab.curvature.cotangent import (
     angle_defects,
     area_gradient,
@@ -19,12 +21,10 @@ from ddgfab.curvature.intrinsic import (
     net_curvature,
 )
 from ddgfab.curvature.least_area import (
-    AssociatedFamily,
     LeastArea,
-    associated_family,
-    minimise_area,
+    minimize_area,
+    minimize_area_along_normals,
 )
-from ddgfab.curvature.normal_area import area_hessian, minimise_area_along_normals
 from ddgfab.curvature.skew import knet_curvature, skew_curvature, unit_curvature_scale
 from ddgfab.curvature.steiner import Curvatures, steiner_curvatures
 
@@ -44,8 +44,8 @@ __all__ = [
     "knet_curvature",
     "mean_curvature_vectors",
     "metric_of",
-    "minimise_area",
-    "minimise_area_along_normals",
+    "minimize_area",
+    "minimize_area_along_normals",
     "mixed_vertex_areas",
     "net_curvature",
     "skew_curvature",

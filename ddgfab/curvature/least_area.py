@@ -1,7 +1,9 @@
-"""Triangle meshes of least area with a fixed boundary, and their associated families.
+"""Triangle meshes of least area with a fixed boundary, by Newton's method.
 
-Source: Pinkall, Polthier 1993; Polthier 2002, Computational aspects of discrete minimal surfaces;
-mathematics.md 8.4.
+Over all moves of its vertices the area of many triangle meshes has no minimum: vertices slide in
+the surface until triangles vanish. Along normals it has one near the smooth minimal surface.
+Source: Pinkall, Polthier 1993, Computing discrete minimal surfaces and their conjugates; Brakke
+1992, The Surface Evolver; mathematics.md 8.4.
 """
 
 from __future__ import annotations
@@ -11,51 +13,57 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from ddgfab.curvature.area_newton import (
+    area_of,
+    greatest_gradient,
+    newton_step,
+    refuse_collapse,
+    triangle_shapes,
+)
 from ddgfab.curvature.cotangent import area_gradient, cotangent_laplacian, triangles_of
 from ddgfab.errors import DegenerateError, MeshError
-from ddgfab.mesh import Floats, Ints, Mesh, extent
-from ddgfab.tolerances import NET_INPUT
+from ddgfab.mesh import Floats, Ints, Mesh
 
 GRADIENT_RELATIVE: Final = 1e-10
 """The iteration ends when the area's gradient at free vertices falls below this part of the
 greatest edge."""
 
-MOST_STEPS: Final = 300
-"""Steps after which the iteration counts as not converging."""
+MOST_STEPS: Final = 100
+"""Newton steps; 5 to 30 are usual."""
 
-MEMORY: Final = 6
-"""Steps that Anderson's acceleration remembers: the plain iteration is linear, at 0.97 a step and
-more near the widest catenoid."""
+SMOOTHING: Final = 3
+"""Steps of Pinkall and Polthier before Newton's: they take bumps away, after which normals are
+those of the surface that is sought."""
 
-
-_ADVICE = (
-    "vertices of most meshes slide on for ever: hold them to their normals "
-    "(minimise_area_along_normals)"
-)
+SOFT_START: Final = 1e-3
+"""Damping of the first step in all directions after the steps along normals, which end near."""
 
 
 @dataclass(frozen=True, eq=False)
 class LeastArea:
-    """A mesh of (locally) least area.
+    """A mesh whose area is stationary, in general the least near by.
 
     Attributes
     ----------
     mesh : the result
-    status : "converged" or "stopped"
+    status : "converged": the gradient of the area is zero, in all directions; "normal": its part
+        along the normals is, the rest is not; "stopped": neither
     areas : area before each step and after the last
     gradients : greatest length of the area's gradient at a free vertex, likewise
+    normal_gradients : greatest part of it along the normals, likewise
     """
 
     mesh: Mesh
     status: str
     areas: tuple[float, ...]
     gradients: tuple[float, ...]
+    normal_gradients: tuple[float, ...]
 
 
-def minimise_area(
+def minimize_area(
     mesh: Mesh,
     fixed: ArrayLike | None = None,
     *,
@@ -63,19 +71,19 @@ def minimise_area(
     max_steps: int = MOST_STEPS,
     throw: bool = True,
 ) -> LeastArea:
-    """Pinkall and Polthier's iteration: solve the cotangent Laplacian of the mesh, again and again.
+    """The area made stationary in all directions: its gradient at free vertices becomes zero.
 
-    Each step minimises the Dirichlet energy of maps from the present mesh, which never lets the
-    area grow. Anderson's acceleration is taken wherever it lowers the area further. It ends at
-    meshes that are minimal in all directions, as symmetric or small ones can be; on most others
-    vertices slide in the surface without end: see `minimise_area_along_normals`.
+    Newton's method, damped by the cotangent Laplacian until the area falls; first along normals,
+    then in all directions, and where triangles collapse that way, in all directions from the start.
+    Some meshes have no stationary position near by: vertices slide in the surface until triangles
+    collapse (see `minimize_area_along_normals`).
 
     Parameters
     ----------
     mesh : triangles
     fixed : (V,) flags of vertices that stay; by default the boundary's
     tolerance : on the gradient, as part of the longest edge
-    max_steps : steps at most
+    max_steps : steps at most, of each of the iterations
     throw : raise when it does not converge; else the status says so
 
     Raises
@@ -83,45 +91,130 @@ def minimise_area(
     MeshError
         A face that is no triangle, flags of the wrong shape, a component without a fixed vertex.
     DegenerateError
-        A triangle that collapses (the boundary spans no such surface; a neck pinches off), or no
+        A triangle that collapses (the boundary spans no such mesh; a neck pinches off), or no
         convergence; names the triangle, or the vertex and the gradient left there.
 
-    Source: mathematics.md 8.4.
+    Source: Brakke 1992; mathematics.md 8.4.
     """
     triangles_of(mesh)
     held = held_vertices(mesh, fixed)
     free = np.flatnonzero(~held & (mesh.valences > 0))
     if not len(free):
-        return LeastArea(mesh, "converged", (float(mesh.face_areas.sum()),), (0.0,))
+        return _nothing_free(mesh)
     limit = tolerance * float(mesh.edge_lengths.max())
-    areas, gradients = [], []
-    current = mesh
-    past: list[tuple[Floats, Floats]] = []
-    status = "stopped"
-    for step in range(max_steps + 1):
-        try:
-            length = np.linalg.norm(area_gradient(current)[free], axis=1)
-        except DegenerateError as error:
-            raise DegenerateError(
-                f"after {step} steps {error}; the surface pinches off, or vertices slide together"
-                f"\n{_ADVICE}"
-            ) from error
-        areas.append(float(current.face_areas.sum()))
-        gradients.append(float(length.max()))
-        if gradients[-1] <= limit:
-            status = "converged"
-            break
-        if step < max_steps:
-            plain = dirichlet_step(current, free, held)
-            past = [*past[-MEMORY:], (current.vertices[free].ravel(), plain.vertices[free].ravel())]
-            current = _accelerated(plain, free, past)
-    if status != "converged" and throw:
-        worst = int(free[np.argmax(length)])
-        raise DegenerateError(
-            f"the area is not stationary after {max_steps} steps: gradient {gradients[-1]:.2g} at "
-            f"vertex {worst} (limit {limit:.2g})\n{_ADVICE}"
+    shapes = triangle_shapes(mesh)
+    try:
+        found = _iterate(mesh, held, free, limit, max_steps, shapes, normal=True)
+        found = _iterate(
+            found.mesh, held, free, limit, max_steps, shapes, normal=False, before=found
         )
-    return LeastArea(current, status, tuple(areas), tuple(gradients))
+        if found.status == "converged":
+            return found
+    except DegenerateError:
+        pass  # the way from the start decides, and says which triangle collapses there
+    found = _iterate(mesh, held, free, limit, max_steps, shapes, normal=False)
+    if found.status != "converged" and throw:
+        gradient = np.linalg.norm(area_gradient(found.mesh)[free], axis=1)
+        raise DegenerateError(
+            f"the area is not stationary after {len(found.areas) - 1} steps: gradient "
+            f"{found.gradients[-1]:.2g} at vertex {free[gradient.argmax()]} (limit {limit:.2g})\n"
+            "vertices of many meshes slide on for ever: hold them to their normals "
+            "(minimize_area_along_normals)"
+        )
+    return found
+
+
+def minimize_area_along_normals(
+    mesh: Mesh,
+    fixed: ArrayLike | None = None,
+    *,
+    tolerance: float = GRADIENT_RELATIVE,
+    max_steps: int = MOST_STEPS,
+    throw: bool = True,
+) -> LeastArea:
+    """The area made stationary by moves of the vertices along their normals.
+
+    Newton's method, damped by the cotangent Laplacian until the area falls. Triangles keep their
+    shape but for the bending. What is left of the gradient lies in the surface, and the status says
+    so ("normal"): `minimize_area` lets vertices slide as well, which exact discrete minimal
+    surfaces and `associated_family` need.
+
+    Parameters
+    ----------
+    mesh : triangles
+    fixed : (V,) flags of vertices that stay; by default the boundary's
+    tolerance : on the normal part of the area's gradient, as part of the longest edge
+    max_steps : steps at most
+    throw : raise when not even the normal part vanishes; else the status says so
+
+    Returns
+    -------
+    LeastArea, with status "normal", or "converged" where the whole gradient vanishes
+
+    Raises
+    ------
+    MeshError
+        As `minimize_area`.
+    DegenerateError
+        A triangle that collapses, or no convergence; names the triangle, or the vertex and the
+        gradient left there.
+
+    Source: Brakke 1992; mathematics.md 8.4.
+    """
+    triangles_of(mesh)
+    held = held_vertices(mesh, fixed)
+    free = np.flatnonzero(~held & (mesh.valences > 0))
+    if not len(free):
+        return _nothing_free(mesh)
+    limit = tolerance * float(mesh.edge_lengths.max())
+    found = _iterate(mesh, held, free, limit, max_steps, triangle_shapes(mesh), normal=True)
+    if found.status == "stopped" and throw:
+        n = found.mesh.vertex_normals[free]
+        part = np.abs(np.einsum("vx,vx->v", area_gradient(found.mesh)[free], n))
+        raise DegenerateError(
+            f"the area is not stationary along normals after {len(found.areas) - 1} steps: "
+            f"gradient {found.normal_gradients[-1]:.2g} at vertex {free[part.argmax()]} (limit "
+            f"{limit:.2g})"
+        )
+    return found
+
+
+def _nothing_free(mesh: Mesh) -> LeastArea:
+    return LeastArea(mesh, "converged", (area_of(mesh),), (0.0,), (0.0,))
+
+
+def _iterate(
+    mesh: Mesh, held: NDArray[np.bool_], free: Ints, limit: float, max_steps: int, shapes: Floats,
+    *, normal: bool, before: LeastArea | None = None,
+) -> LeastArea:  # fmt: skip
+    """Steps until the gradient, or its normal part, falls to the limit; `before` goes first."""
+    current, damping = mesh, 1.0 if before is None else SOFT_START
+    areas, whole, across = [area_of(mesh)], [], []
+
+    def note() -> float:
+        whole.append(greatest_gradient(current, free, normal=False))
+        across.append(greatest_gradient(current, free, normal=True))
+        return across[-1] if normal else whole[-1]
+
+    left = note()
+    while left > limit and len(areas) <= max_steps:
+        if before is None and len(areas) <= SMOOTHING:
+            current = dirichlet_step(current, free, held)
+        else:
+            found, damping = newton_step(current, free, damping, normal=normal)
+            if found is None:
+                break
+            current = found
+        refuse_collapse(current, shapes, len(areas))
+        # Where only rounding is left the area may grow by some of it.
+        areas.append(min(area_of(current), areas[-1]))
+        left = note()
+    status = "converged" if whole[-1] <= limit else "normal" if across[-1] <= limit else "stopped"
+    if before is not None:
+        areas = [*before.areas, *areas[1:]]
+        whole = [*before.gradients, *whole[1:]]
+        across = [*before.normal_gradients, *across[1:]]
+    return LeastArea(current, status, tuple(areas), tuple(whole), tuple(across))
 
 
 def held_vertices(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
@@ -147,101 +240,13 @@ def held_vertices(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
 
 
 def dirichlet_step(mesh: Mesh, free: Ints, held: NDArray[np.bool_]) -> Mesh:
-    """The mesh of least Dirichlet energy over this one, with the held vertices where they are."""
+    """The mesh of least Dirichlet energy over this one, with the held vertices where they are.
+
+    Source: Pinkall, Polthier 1993.
+    """
     laplacian = cotangent_laplacian(mesh)[free]
     ends = np.flatnonzero(held)
     right = -laplacian[:, ends] @ mesh.vertices[ends]
     vertices = mesh.vertices.copy()
     vertices[free] = splu(csc_array(laplacian[:, free])).solve(right)
     return mesh.with_vertices(vertices)
-
-
-def _accelerated(plain: Mesh, free: Ints, past: list[tuple[Floats, Floats]]) -> Mesh:
-    """Anderson's mixture of the last steps where its area is less than the plain step's."""
-    if len(past) < 2:
-        return plain
-    before, after = (np.array(part) for part in zip(*past, strict=True))
-    change = after - before
-    weights = np.linalg.lstsq(np.diff(change, axis=0).T, change[-1], rcond=None)[0]
-    vertices = plain.vertices.copy()
-    vertices[free] = (after[-1] - weights @ np.diff(after, axis=0)).reshape(-1, 3)
-    mixed = plain.with_vertices(vertices)
-    return mixed if mixed.face_areas.sum() < plain.face_areas.sum() else plain
-
-
-@dataclass(frozen=True, eq=False)
-class AssociatedFamily:
-    """The associated family of a minimal triangle mesh, on the midpoints of its edges.
-
-    points : (E, 3) midpoints of the mesh's edges; conjugate : (E, 3) those of the conjugate
-        surface, the first at the origin; triangles : (F, 3) their ids, congruent for all angles
-    closing : greatest gap between two triangles that share a midpoint, over the surface's size
-    """
-
-    points: Floats
-    conjugate: Floats
-    triangles: Ints
-    closing: float
-
-    def at(self, angle: float) -> Floats:
-        """(E, 3) points cos(angle) x + sin(angle) x*; pi / 2 is the conjugate surface."""
-        return np.asarray(np.cos(angle) * self.points + np.sin(angle) * self.conjugate)
-
-
-def associated_family(mesh: Mesh) -> AssociatedFamily:
-    """Conjugate and associated surfaces: triangles of edge midpoints turned in their planes.
-
-    Turned by a right angle, the triangles of midpoints fit together round every interior vertex
-    exactly when the area is stationary there. The surfaces are nonconforming: triangles share
-    midpoints of edges, not edges.
-
-    Raises
-    ------
-    MeshError
-        A face that is no triangle, several components, or a surface that is not simply connected
-        (its conjugate has periods: cut it open).
-    DegenerateError
-        The mesh is not minimal, so the conjugate does not close; gives the gap.
-
-    Source: Pinkall, Polthier 1993, section 4; Polthier 2002.
-    """
-    ids = triangles_of(mesh)
-    if mesh.components.max() > 0:
-        raise MeshError("the mesh has several components: take one at a time")
-    euler = int((mesh.valences > 0).sum()) - mesh.n_edges + mesh.n_faces
-    if euler != 1:
-        raise MeshError(
-            f"the mesh has Euler characteristic {euler}, a disc has 1: its conjugate surface has "
-            "periods; cut it open"
-        )
-    sides = mesh.corner_edge.reshape(-1, 3)
-    middles = mesh.vertices[mesh.edges].mean(axis=1)
-    steps = np.roll(middles[sides], -1, axis=1) - middles[sides]
-    turned = np.cross(mesh.face_normals[:, None], steps)
-    conjugate = _integrate(mesh.n_edges, sides, turned)
-    gap = np.roll(conjugate[sides], -1, axis=1) - conjugate[sides] - turned
-    size = extent(conjugate)
-    closing = float(np.linalg.norm(gap, axis=-1).max()) / size
-    if not closing <= NET_INPUT:
-        inner = np.where(mesh.boundary_vertex, 0.0, np.linalg.norm(area_gradient(mesh), axis=1))
-        worst = int(inner.argmax())
-        raise DegenerateError(
-            f"the conjugate surface does not close: gap {closing:.2g} of its size (limit "
-            f"{NET_INPUT:g}); the area is not stationary, gradient {inner[worst]:.2g} at vertex "
-            f"{worst} of the {len(ids)} triangles: minimise_area first"
-        )
-    return AssociatedFamily(middles, conjugate, sides, closing)
-
-
-def _integrate(count: int, sides: Ints, steps: Floats) -> Floats:
-    """Points whose differences along the triangles' sides are nearest to the steps."""
-    start, end = sides.ravel(), np.roll(sides, -1, axis=1).ravel()
-    rows = np.arange(len(start))
-    ones = np.ones(len(start))
-    values = np.concatenate([ones, -ones])
-    places = (np.concatenate([rows, rows]), np.concatenate([end, start]))
-    difference = csc_array(coo_array((values, places), shape=(len(start), count)))
-    rest = difference[:, 1:]  # the first point is the origin
-    out = np.zeros((count, 3))
-    out[1:] = splu(csc_array(rest.T @ rest)).solve(rest.T @ steps.reshape(-1, 3))
-    return out

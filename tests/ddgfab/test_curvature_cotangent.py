@@ -14,7 +14,7 @@ from ddgfab.curvature import (
     cotangent_laplacian,
     cotangent_mean_curvature,
     mean_curvature_vectors,
-    minimise_area,
+    minimize_area,
     mixed_vertex_areas,
     triangulate,
 )
@@ -107,7 +107,7 @@ def test_iteration_finds_the_discrete_catenoid() -> None:
     z = STEP * np.arange(-2, 3)
     radii = catenoid_radii(z)
     bulged = rings(radii * np.where(np.abs(z) < 0.5, 1.1, 1.0), z)
-    found = minimise_area(bulged)
+    found = minimize_area(bulged)
     assert found.status == "converged"
     assert (np.diff(found.areas) <= 1e-12).all()
     np.testing.assert_allclose(found.mesh.vertices, rings(radii, z).vertices, atol=1e-8)
@@ -118,7 +118,7 @@ def test_flat_boundary_gives_the_flat_disc() -> None:
     mesh = random_patch()
     rim = mesh.boundary_vertex
     flat = mesh.vertices * np.where(rim[:, None], [1, 1, 0], [1, 1, 1])
-    found = minimise_area(mesh.with_vertices(flat))
+    found = minimize_area(mesh.with_vertices(flat))
     assert np.abs(found.mesh.vertices[:, 2]).max() < 1e-9
 
 
@@ -184,16 +184,18 @@ def test_refusals() -> None:
         cotangent_laplacian(flat)
     patch = random_patch()
     with pytest.raises(MeshError, match="no vertex is fixed in the component of face 0"):
-        minimise_area(patch, np.zeros(patch.n_vertices, dtype=bool))
+        minimize_area(patch, np.zeros(patch.n_vertices, dtype=bool))
     with pytest.raises(MeshError, match="flags are needed"):
-        minimise_area(patch, [True])
+        minimize_area(patch, [True])
     with pytest.raises(DegenerateError, match=r"after 1 steps: gradient .* at vertex"):
-        minimise_area(patch, max_steps=1)
-    assert minimise_area(patch, max_steps=1, throw=False).status == "stopped"
-    with pytest.raises(DegenerateError, match="minimise_area first"):
+        minimize_area(patch, max_steps=1)
+    assert minimize_area(patch, max_steps=1, throw=False).status == "stopped"
+    with pytest.raises(DegenerateError, match="minimize_area first"):
         associated_family(patch)
     with pytest.raises(MeshError, match="Euler characteristic 0"):
         associated_family(rings(np.ones(4), np.arange(4.0)))
     tall = 0.8 * np.arange(-2, 3)
-    with pytest.raises(DegenerateError, match=r"pinches off|not stationary"):
-        minimise_area(rings(np.ones(5), tall))
+    with pytest.raises(
+        DegenerateError, match=r"triangle \d+ \(\d+, \d+, \d+\) collapses: after \d+ steps"
+    ):
+        minimize_area(rings(np.ones(5), tall))

@@ -23,7 +23,7 @@ from ddgfab.curvature import (
     gauss_curvature,
     knet_curvature,
     metric_of,
-    minimise_area,
+    minimize_area,
     net_curvature,
     skew_curvature,
     steiner_curvatures,
@@ -217,8 +217,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         lambda v: cotangent_laplacian(TRIANGLES, v).toarray(),
         {"v": TRIANGLES.vertices},
     ),
-    "minimise_area": (
-        lambda v: minimise_area(TRIANGLES.with_vertices(v), throw=False),
+    "minimize_area": (
+        lambda v: minimize_area(TRIANGLES.with_vertices(v), throw=False),
         {"v": TRIANGLES.vertices},
     ),
     "net_curvature": (
