@@ -20,6 +20,10 @@ class InputError(DdgError, ValueError):
         self.line = line
 
 
+class ArgumentError(InputError, TypeError):
+    """An argument of the wrong type; names the function, the argument and what is needed."""
+
+
 class MeshError(InputError):
     """A mesh that is no oriented manifold surface, or that the task cannot use."""
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.mesh import Mesh
 
 
+@checked
 def grid_mesh(points: ArrayLike, closed: tuple[bool, bool] = (False, False)) -> Mesh:
     """Quad mesh of a net.
 

@@ -12,6 +12,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.support.edge import koebe_field
@@ -64,6 +65,7 @@ class OffsetReport:
         return f"{kind} offset: distance of {words}; {parallel}"
 
 
+@checked
 def classify_offset(
     mesh: Mesh, other: Mesh | ArrayLike, tolerance: float = OFFSET_RELATIVE
 ) -> OffsetReport:
@@ -110,6 +112,7 @@ def classify_offset(
     )
 
 
+@checked
 def vertex_offset(mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE) -> Mesh:
     """Parallel mesh of a circular net at a constant distance of vertices, to the outside.
 
@@ -130,6 +133,7 @@ def vertex_offset(mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIV
     return mesh.with_vertices(mesh.vertices + distance * axes)
 
 
+@checked
 def face_offset(mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE) -> Mesh:
     """Parallel mesh of a conical net at a constant distance of faces, to the outside.
 
@@ -153,6 +157,7 @@ def face_offset(mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE)
     return mesh.with_vertices(mesh.vertices + distance * field)
 
 
+@checked
 def edge_offset(mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE) -> Mesh:
     """Parallel mesh at a constant distance of edges, to the outside, of a mesh like a Koebe net.
 
@@ -175,6 +180,7 @@ def edge_offset(mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE)
     return mesh.with_vertices(mesh.vertices + distance * field)
 
 
+@checked
 def exact_offset(
     mesh: Mesh, distance: float, tolerance: float = OFFSET_RELATIVE
 ) -> tuple[Mesh, OffsetReport]:

@@ -6,10 +6,13 @@ import difflib
 from collections.abc import Iterable
 from typing import Final
 
+from ddgfab.arguments import checked
+
 LEAST_LIKENESS: Final = 0.5
 """Least ratio of `difflib.SequenceMatcher` at which a known name may have been meant."""
 
 
+@checked
 def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
     """At most `count` known names like `name`, the most alike first; case does not matter."""
     folded = {other.casefold(): other for other in known}
@@ -17,6 +20,7 @@ def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
     return [folded[other] for other in near]
 
 
+@checked
 def suggestion(name: str, known: Iterable[str]) -> str:
     """The known name that was probably meant, or all known names.
 

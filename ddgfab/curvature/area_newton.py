@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
+from ddgfab.arguments import checked
 from ddgfab.curvature.cotangent import area_gradient, cotangent_laplacian, triangles_of
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats, Ints, Mesh
@@ -35,6 +36,7 @@ COLLAPSED: Final = 1e-4
 """A triangle whose height over its longest side falls to this part of what it was is collapsing."""
 
 
+@checked
 def area_hessian(mesh: Mesh) -> csc_array:
     """(3 V, 3 V) second derivatives of the area by the coordinates (x_0, y_0, z_0, x_1, ...).
 

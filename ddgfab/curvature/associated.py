@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
+from ddgfab.arguments import checked
 from ddgfab.curvature.cotangent import area_gradient, triangles_of
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh, extent
@@ -37,6 +38,7 @@ class AssociatedFamily:
         return np.asarray(np.cos(angle) * self.points + np.sin(angle) * self.conjugate)
 
 
+@checked
 def associated_family(mesh: Mesh, *, tolerance: float = NET_INPUT) -> AssociatedFamily:
     """Conjugate and associated surfaces: triangles of edge midpoints turned in their planes.
 

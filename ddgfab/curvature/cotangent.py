@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import coo_array, csr_array
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.quads import finite
@@ -34,6 +35,7 @@ def triangles_of(mesh: Mesh) -> Ints:
     return mesh.corners.reshape(-1, 3)
 
 
+@checked
 def triangulate(mesh: Mesh, *, alternate: bool = False) -> Mesh:
     """Triangle mesh: every face cut by the diagonals from its first corner.
 
@@ -82,6 +84,7 @@ def corner_cotangents(mesh: Mesh, vertices: ArrayLike | None = None) -> Floats:
     return np.asarray(np.einsum("fki,fki->fk", left, right) / double)
 
 
+@checked
 def cotangent_laplacian(mesh: Mesh, vertices: ArrayLike | None = None) -> csr_array:
     """(V, V) symmetric matrix L with (L x)_i = 1/2 sum_j (cot a_ij + cot b_ij)(x_i - x_j).
 
@@ -104,6 +107,7 @@ def cotangent_laplacian(mesh: Mesh, vertices: ArrayLike | None = None) -> csr_ar
     return csr_array(coo_array((values, (rows, columns)), shape=size))
 
 
+@checked
 def area_gradient(mesh: Mesh) -> Floats:
     """(V, 3) gradient of the area by the vertices; zero inside a discrete minimal surface.
 
@@ -112,6 +116,7 @@ def area_gradient(mesh: Mesh) -> Floats:
     return np.asarray(cotangent_laplacian(mesh) @ mesh.vertices)
 
 
+@checked
 def mixed_vertex_areas(mesh: Mesh) -> Floats:
     """(V,) part of the triangles' area that belongs to each vertex; 0 without triangles.
 
@@ -135,6 +140,7 @@ def mixed_vertex_areas(mesh: Mesh) -> Floats:
     return area
 
 
+@checked
 def mean_curvature_vectors(mesh: Mesh) -> Floats:
     """(V, 3) grad_i A / A_i with `mixed_vertex_areas`: -2 H times the unit normal.
 
@@ -151,6 +157,7 @@ def mean_curvature_vectors(mesh: Mesh) -> Floats:
     return out
 
 
+@checked
 def cotangent_mean_curvature(mesh: Mesh) -> Floats:
     """(V,) mean curvature with the sign of `steiner_curvatures`; nan at the boundary.
 
@@ -160,6 +167,7 @@ def cotangent_mean_curvature(mesh: Mesh) -> Floats:
     return np.where(mesh.boundary_vertex, np.nan, h)
 
 
+@checked
 def angle_defects(mesh: Mesh) -> Floats:
     """(V,) 2 pi (pi at the boundary) less the angles of the triangles [rad]; 0 without triangles.
 

@@ -9,6 +9,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
@@ -51,6 +52,7 @@ class MetricJet:
     g_uu: Floats
 
 
+@checked
 def brioschi(jet: MetricJet) -> Floats:
     """(...) Gauss curvature: (det A - det B) = 8 (E G - F^2)^2 K.
 
@@ -86,6 +88,7 @@ def brioschi(jet: MetricJet) -> Floats:
     return np.asarray(found)
 
 
+@checked
 def metric_of(surface: Parametrisation) -> Metric:
     """First fundamental form of an analytic parametrisation, by complex step.
 
@@ -105,6 +108,7 @@ def metric_of(surface: Parametrisation) -> Metric:
     return metric
 
 
+@checked
 def gauss_curvature(
     metric: Metric, u: ArrayLike, v: ArrayLike, step: float = DIFFERENCE_STEP
 ) -> Floats:
@@ -160,6 +164,7 @@ def gauss_curvature(
     )
 
 
+@checked
 def net_curvature(points: ArrayLike, du: float, dv: float) -> Floats:
     """(M - 3, N - 3) Gauss curvature at the inner vertices of a surface sampled on a net.
 

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from ddgfab.arguments import checked
 from ddgfab.curvature.area_newton import (
     area_of,
     greatest_gradient,
@@ -63,6 +64,7 @@ class LeastArea:
     normal_gradients: tuple[float, ...]
 
 
+@checked
 def minimize_area(
     mesh: Mesh,
     fixed: ArrayLike | None = None,
@@ -124,6 +126,7 @@ def minimize_area(
     return found
 
 
+@checked
 def minimize_area_along_normals(
     mesh: Mesh,
     fixed: ArrayLike | None = None,

@@ -9,12 +9,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, unit
 from ddgfab.quads import finite
 from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
 
 
+@checked
 def skew_curvature(points: ArrayLike, normals: ArrayLike) -> tuple[Floats, Floats]:
     """(M, N) Gauss and mean curvature of each quad of a net with normals at its vertices.
 
@@ -67,6 +69,7 @@ def skew_curvature(points: ArrayLike, normals: ArrayLike) -> tuple[Floats, Float
     return mixed(n, n) / area, -mixed(x, n) / area
 
 
+@checked
 def knet_curvature(delta1: ArrayLike, delta2: ArrayLike, r: float = 1.0) -> Floats:
     """(M, N) Gauss curvature of the quads of a K-net with edges r sin(delta): exact.
 
@@ -90,6 +93,7 @@ def knet_curvature(delta1: ArrayLike, delta2: ArrayLike, r: float = 1.0) -> Floa
     return curvature
 
 
+@checked
 def unit_curvature_scale(delta1: float, delta2: float) -> float:
     """Scale r at which a K-net of constant angles [rad] has curvature -1 exactly.
 

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.measures import mixed_areas, oriented_areas
 from ddgfab.mesh import Floats, Mesh
@@ -43,6 +44,7 @@ class Curvatures:
         return self.mean + root, self.mean - root
 
 
+@checked
 def steiner_curvatures(mesh: Mesh, gauss_image: ArrayLike) -> Curvatures:
     """H = -A(f, sigma) / A(f) and K = A(sigma) / A(f) of every face.
 

@@ -12,6 +12,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.forms.generators import About, generator
 from ddgfab.forms.monge_surface import profile_polyline
@@ -21,6 +22,7 @@ from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def canal_circles(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Centres (K - 1, 3), radii (K - 1,) and unit normals (K - 1, 3) of the circles of a canal.
 
@@ -60,6 +62,7 @@ def canal_circles(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats,
     return m[:-1] + along[:, None] * normal, np.sqrt(r[:-1] ** 2 - along**2), normal
 
 
+@checked
 def canal_net(
     centres: ArrayLike, radii: ArrayLike, angles: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
 ) -> Floats:

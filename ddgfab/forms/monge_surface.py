@@ -14,6 +14,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError
 from ddgfab.forms.generators import About, generator
 from ddgfab.forms.placing import arc_angles, checked_forward, grounded
@@ -22,6 +23,7 @@ from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def profile_polyline(angles: ArrayLike, steps: ArrayLike) -> Floats:
     """(N + 1, 2) plane polyline of given tangent angles at its vertices.
 
@@ -39,6 +41,7 @@ def profile_polyline(angles: ArrayLike, steps: ArrayLike) -> Floats:
     return np.concatenate([np.zeros((1, 2)), np.cumsum(edges, axis=0)])
 
 
+@checked
 def monge(profile: ArrayLike, tangents: ArrayLike, steps: ArrayLike, up: ArrayLike) -> Floats:
     """(M + 1, N + 1, 3) net of a plane profile carried along a spine.
 

@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.forms.generators import About, generator
 from ddgfab.forms.monge_surface import monge, profile_polyline
 from ddgfab.forms.placing import checked_forward, grounded
@@ -14,6 +15,7 @@ from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh
 
 
+@checked
 def moulding_net(profile: ArrayLike, directions: ArrayLike, steps: ArrayLike) -> Floats:
     """(M + 1, N + 1, 3) net of a profile carried along a path in the ground plane.
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 # Imported for their entries in GENERATORS, in the order of the list that people see.
+from ddgfab.arguments import checked
 from ddgfab.forms import (  # noqa: F401
     canal,
     conical,
@@ -27,11 +28,13 @@ from ddgfab.mesh import Mesh
 __all__ = ["Generator", "ParameterError", "find_generator", "generate", "kinds"]
 
 
+@checked
 def kinds() -> tuple[str, ...]:
     """Names of all kinds, sorted."""
     return tuple(sorted(GENERATORS))
 
 
+@checked
 def find_generator(kind: str) -> Generator:
     """The generator of a kind.
 
@@ -45,6 +48,7 @@ def find_generator(kind: str) -> Generator:
     return GENERATORS[kind]
 
 
+@checked
 def generate(
     kind: str, parameters: Mapping[str, Any] | None = None, folder: Path | None = None
 ) -> Mesh:

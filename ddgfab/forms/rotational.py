@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.forms.generators import About, generator
 from ddgfab.forms.placing import chord_arc
@@ -17,6 +18,7 @@ from ddgfab.tolerances import RELATIVE_DEGENERATE
 FULL_TURN_DEG = 360.0
 
 
+@checked
 def rotational_net(meridian: ArrayLike, azimuths: ArrayLike) -> Floats:
     """(M + 1, N + 1, 3) net of a meridian at azimuths about the z axis.
 

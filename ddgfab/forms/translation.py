@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.forms.generators import About, generator
 from ddgfab.forms.monge_surface import profile_polyline
@@ -16,6 +17,7 @@ from ddgfab.mesh import Floats, Mesh
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def translation_net(first: ArrayLike, second: ArrayLike) -> Floats:
     """(M + 1, N + 1, 3) net x_ij = p_i + q_j - q_0 of two polylines.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import MeshError, OutputError
 from ddgfab.io.atomic import atomic_path, atomic_write
 from ddgfab.io.obj import parse_obj, write_obj
@@ -66,6 +67,7 @@ class ReadResult:
         return f"ReadResult({self.mesh!r} from {self.file}, {len(self.notes)} notes)"
 
 
+@checked
 def read_mesh(
     path: str | Path,
     scale: float = 1.0,
@@ -107,6 +109,7 @@ def read_mesh(
     return ReadResult(mesh, tuple(notes), str(path), digest, len(raw.points), len(raw.sizes))
 
 
+@checked
 def write_mesh(path: str | Path, mesh: Mesh) -> None:
     """Write a polygon mesh; the suffix says the format: .obj, .off or .ply.
 
@@ -120,6 +123,7 @@ def write_mesh(path: str | Path, mesh: Mesh) -> None:
     _WRITERS[check_target(path)](path, mesh)
 
 
+@checked
 def check_target(path: str | Path) -> str:
     """The format of a mesh file to be written, its suffix in lower case; for long work ahead.
 

@@ -9,10 +9,12 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from ddgfab.arguments import checked
 from ddgfab.errors import OutputError
 
 
 @contextmanager
+@checked
 def atomic_path(path: str | Path) -> Iterator[Path]:
     """A temporary name in the target's folder, put in its place when the block ends well.
 
@@ -41,6 +43,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
 
 
 @contextmanager
+@checked
 def atomic_write(path: str | Path) -> Iterator[BinaryIO]:
     """A binary stream to a file that appears, complete, when the block ends well.
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.circles import Circles, Spheres
 from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
@@ -18,6 +19,7 @@ COLUMNS = ("kind", "id", "x_mm", "y_mm", "z_mm", "normal_x", "normal_y", "normal
 """Columns of the CSV file; spheres have no normal."""
 
 
+@checked
 def write_circles(
     path: str | Path, curves: Mapping[str, Circles | Spheres], points: int = POINTS
 ) -> None:

@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from pathlib import Path
 
+from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.io.raw import RawMesh, clip, decode, integer, number
@@ -117,6 +118,7 @@ def _polygon(parts: list[str], count: int, file: str, line: int) -> list[int]:
     return face
 
 
+@checked
 def write_obj(path: str | Path, mesh: Mesh) -> None:
     """Write a mesh as OBJ, atomically; coordinates as their shortest exact decimals.
 

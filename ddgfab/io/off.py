@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.io.raw import RawMesh, clip, decode, integer, number
@@ -120,6 +121,7 @@ def _from_one(raw: RawMesh) -> RawMesh:
     )
 
 
+@checked
 def write_off(path: str | Path, mesh: Mesh) -> None:
     """Write a mesh as OFF, atomically; coordinates as their shortest exact decimals.
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.io.ply_body import BinaryBody, Element, Property, TextBody
@@ -154,6 +155,7 @@ def _declare(header: _Header, words: list[str], file: str, line: int) -> None:
         raise wrong
 
 
+@checked
 def write_ply(path: str | Path, mesh: Mesh, *, binary: bool = True) -> None:
     """Write a mesh as PLY (little endian doubles, or text), atomically and exactly.
 

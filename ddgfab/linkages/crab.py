@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages.assemble import assemble, crossings
 from ddgfab.linkages.cauchy import Numbers
@@ -100,6 +101,7 @@ def double_turn(theta: Numbers, c: float) -> Numbers:
     return 2.0 * (theta + np.arctan((c - 1.0) * sine * cosine / (cosine**2 + c * sine**2)))
 
 
+@checked
 def crab_mechanism(net: CrabNet, *, scale_mm: float = 1.0) -> Mechanism:
     """Linkage of a closed rotational K-net that opens and closes with its symmetry.
 

@@ -10,6 +10,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages.mechanism import Pose
 from ddgfab.mesh import Floats, Ints
@@ -65,6 +66,7 @@ def _bar_rows(bars: Ints, pose: Pose) -> Floats:
     return rows
 
 
+@checked
 def mobility(bars: ArrayLike, pose: Pose) -> int:
     """Degrees of freedom of rigid bars on hinges, without the six of rigid motion.
 

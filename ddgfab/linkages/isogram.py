@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.linkages.assemble import assemble
 from ddgfab.linkages.grid import Grid
@@ -21,6 +22,7 @@ DESIGN = np.pi / 2
 """Driving angle [rad] of the design pose when none is asked for."""
 
 
+@checked
 def bennett(
     a: float,
     alpha: float,

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.linkages.assemble import assemble
 from ddgfab.linkages.grid import Grid
@@ -21,6 +22,7 @@ CUBE_EQUAL = 1e-9
 """Twists of two directions (one hand) closer than this [rad] make isograms that only fold."""
 
 
+@checked
 def cube(
     lengths: Sequence[float],
     twists: Sequence[float],

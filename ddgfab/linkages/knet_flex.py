@@ -11,10 +11,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.nets.knet.net import KNet
 
 
+@checked
 def flex(knet: KNet, dturns: Sequence[ArrayLike], dcorner: ArrayLike) -> KNet:
     """The K-net after its Cauchy turns and corner angles change; lengths and twists stay.
 

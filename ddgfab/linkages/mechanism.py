@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.linkages.cauchy import Numbers
 from ddgfab.linkages.frames import bar_frames, frames_and_rates
@@ -161,6 +162,7 @@ class Mechanism:
         return frames_and_rates(self.drive, self.check(ts), self.bars)
 
 
+@checked
 def signed_twists(pose: Pose, bars: Ints) -> Floats:
     """(E,) angle about x_j - x_i from the axis of hinge i to that of hinge j, in (-pi, pi]."""
     i, j = bars.T
@@ -170,6 +172,7 @@ def signed_twists(pose: Pose, bars: Ints) -> Floats:
     return np.asarray(np.arctan2(sine, np.einsum("ei,ei->e", pose.axes[i], pose.axes[j])))
 
 
+@checked
 def bar_lengths(pose: Pose, bars: Ints) -> Floats:
     """(E,) distances of the hinge points of every bar."""
     return np.asarray(np.linalg.norm(pose.points[bars[:, 1]] - pose.points[bars[:, 0]], axis=-1))

@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.linkages.assemble import assemble
 from ddgfab.linkages.grid import Grid
@@ -21,6 +22,7 @@ Path: TypeAlias = Literal["locked", "fold"] | tuple[tuple[Floats, Floats], float
 """How the Cauchy data follow: by name, or ((turn rates 0, turn rates 1), corner rate)."""
 
 
+@checked
 def knet_mechanism(
     knet: KNet,
     *,

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.mesh import Floats, Mesh
 
 
+@checked
 def oriented_areas(mesh: Mesh, vertices: ArrayLike | None = None) -> Floats:
     """(F,) areas A(f) = 1/2 sum <n, v_i x v_(i+1)> in the planes with the mesh's face normals.
 
@@ -29,6 +31,7 @@ def oriented_areas(mesh: Mesh, vertices: ArrayLike | None = None) -> Floats:
     return np.asarray(np.einsum("fx,fx->f", mesh.face_normals, other.vector_areas))
 
 
+@checked
 def mixed_areas(mesh: Mesh, first: ArrayLike, second: ArrayLike) -> Floats:
     """(F,) mixed areas A(f, g) = (A(f + g) - A(f) - A(g)) / 2 of two meshes parallel to a mesh.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.tolerances import RELATIVE_DEGENERATE
@@ -21,6 +22,7 @@ def _axes(mesh: Mesh, axes: ArrayLike) -> Floats:
     return unit(given)
 
 
+@checked
 def torsion(mesh: Mesh, axes: ArrayLike) -> Floats:
     """Torsion of each edge: angle between the planes through the edge and its two node axes.
 
@@ -54,6 +56,7 @@ def torsion(mesh: Mesh, axes: ArrayLike) -> Floats:
     return np.where(least > RELATIVE_DEGENERATE, angle, np.pi / 2)
 
 
+@checked
 def lean(mesh: Mesh, axes: ArrayLike) -> Floats:
     """Angle between each node axis and the vertex normal.
 
@@ -76,6 +79,7 @@ def lean(mesh: Mesh, axes: ArrayLike) -> Floats:
     return angle
 
 
+@checked
 def dihedral_angles(mesh: Mesh) -> Floats:
     """Signed angle between the normals of the two faces at each edge.
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
@@ -27,6 +28,7 @@ def _heights(points: Floats) -> Floats:
     return heights
 
 
+@checked
 def planarity(mesh: Mesh) -> Floats:
     """Greatest distance of a corner from the face's plane of least squares; 0 for triangles.
 
@@ -43,6 +45,7 @@ def planarity(mesh: Mesh) -> Floats:
     return result
 
 
+@checked
 def planarity_percent(mesh: Mesh) -> Floats:
     """Planarity relative to size [%]; 0 for triangles.
 
@@ -75,6 +78,7 @@ def planarity_percent(mesh: Mesh) -> Floats:
     return result
 
 
+@checked
 def circular_defect(mesh: Mesh) -> Floats:
     """How far each face is from having its corners on a circle, as an angle; 0 for triangles.
 
@@ -107,6 +111,7 @@ def circular_defect(mesh: Mesh) -> Floats:
     return greatest
 
 
+@checked
 def chebyshev_defect(mesh: Mesh) -> Floats:
     """Greatest difference of opposite sides of each quad over its mean side [%].
 
@@ -128,6 +133,7 @@ def chebyshev_defect(mesh: Mesh) -> Floats:
     return result
 
 
+@checked
 def interior_angles(mesh: Mesh) -> Floats:
     """(C,) interior angles of the faces [rad], 0..2 pi: above pi at reflex corners."""
     here = mesh.vertices[mesh.corners]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.measures.edges import dihedral_angles
 from ddgfab.measures.faces import chebyshev_defect, circular_defect, planarity_percent
 from ddgfab.measures.vertices import conical_defect, star_defect
@@ -16,6 +17,7 @@ from ddgfab.tolerances import (
 )
 
 
+@checked
 def kind_names(mesh: Mesh) -> tuple[str, ...]:
     """Short names of all kinds of net that the mesh is within tolerance, the most telling first.
 
@@ -50,6 +52,7 @@ def kind_names(mesh: Mesh) -> tuple[str, ...]:
     return tuple(name for name, holds in found.items() if holds)
 
 
+@checked
 def kind_words(mesh: Mesh, names: tuple[str, ...] | None = None) -> str:
     """One line for people: the kind of net, its polygons, how planar it is."""
     names = kind_names(mesh) if names is None else names

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.measures.edges import dihedral_angles, torsion
 from ddgfab.measures.faces import (
     chebyshev_defect,
@@ -120,6 +121,7 @@ _TITLES = {
 }
 
 
+@checked
 def inspect(mesh: Mesh, *, unit: str = "mm", worst: int = 5) -> Report:
     """Measure a mesh and say which kind of net it is.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints, Mesh, unit
 
 _QUAD = 4
@@ -19,6 +20,7 @@ def _star_corners(mesh: Mesh, vertices: Ints, valence: int) -> Ints:
     return corners
 
 
+@checked
 def conical_defect(mesh: Mesh) -> Floats:
     """How far the faces round each interior vertex are from touching a cone of revolution.
 
@@ -51,6 +53,7 @@ def conical_defect(mesh: Mesh) -> Floats:
     return result
 
 
+@checked
 def star_defect(mesh: Mesh) -> Floats:
     """How far each vertex and its neighbours are from lying in one plane.
 

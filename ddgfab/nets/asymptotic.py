@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, extent
 from ddgfab.nets.moutard import moutard_coefficients
@@ -23,6 +24,7 @@ PARALLEL_STAR = 1e-10
 """Unit edges of a star that are all within this sine of a line have no tangent plane."""
 
 
+@checked
 def star_edges(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Floats:
     """(n1, ..., nd, 2 d, 3) unit edges from every vertex, forward then backward for each direction.
 
@@ -69,6 +71,7 @@ def star_edges(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Flo
     return out
 
 
+@checked
 def star_flatness(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Floats:
     """(n1, ..., nd) smallest singular value of the unit edges at every vertex; 0: planar star.
 
@@ -84,6 +87,7 @@ def star_flatness(points: ArrayLike, periodic: Sequence[bool] | None = None) -> 
     return np.asarray(np.linalg.svd(star_edges(points, periodic), compute_uv=False)[..., 2])
 
 
+@checked
 def tangent_normals(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Floats:
     """(n1, ..., nd, 3) unit normals of the best tangent planes of vertex stars.
 
@@ -112,6 +116,7 @@ def tangent_normals(points: ArrayLike, periodic: Sequence[bool] | None = None) -
     return np.asarray(np.where(side[..., None] < 0, -normals, normals))
 
 
+@checked
 def lelieuvre(points: ArrayLike, scale: float = 1.0, *, tolerance: float = NET_INPUT) -> Floats:
     """(n1, ..., nd, 3) Lelieuvre field L of an A-net: Delta_k x = L_k x L.
 
@@ -170,6 +175,7 @@ def lelieuvre(points: ArrayLike, scale: float = 1.0, *, tolerance: float = NET_I
     return out
 
 
+@checked
 def anet_from_moutard(
     field: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0), *, tolerance: float = NET_INPUT
 ) -> Floats:

@@ -9,12 +9,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, unit
 from ddgfab.quads import Place, cross, edge_frame, finite, measure, net_points
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def circle_axes(points: ArrayLike) -> tuple[Floats, Floats]:
     """Centres and unit directions (M, N, 3) of the axes of the quads' circles.
 
@@ -42,6 +44,7 @@ def circle_axes(points: ArrayLike) -> tuple[Floats, Floats]:
     return both[..., :3], both[..., 3:]
 
 
+@checked
 def axis_coplanarity(centres: ArrayLike, directions: ArrayLike, axis: int) -> Floats:
     """det(c' - c, n, n') of neighbouring axes: zero where they meet or are parallel (2.5).
 
@@ -55,6 +58,7 @@ def axis_coplanarity(centres: ArrayLike, directions: ArrayLike, axis: int) -> Fl
     return np.asarray(np.sum(np.diff(c, axis=axis) * np.cross(before, after), axis=-1))
 
 
+@checked
 def axis_intersections(
     centres: ArrayLike, directions: ArrayLike
 ) -> tuple[Floats, NDArray[np.bool_]]:
@@ -109,6 +113,7 @@ def _strip_intersections(c: Floats, n: Floats) -> tuple[Floats, NDArray[np.bool_
     return np.where(infinite[:, None], first, meet), infinite
 
 
+@checked
 def vertex_normals(points: ArrayLike, first: ArrayLike) -> Floats:
     """Unit normals at the vertices: each edge's bisector plane reflects one end to the other.
 
@@ -155,6 +160,7 @@ def _reflected(normal: Floats, edge: Floats, axis: int, at: int) -> Floats:
     return np.asarray(normal - 2.0 * np.sum(normal * along, axis=-1, keepdims=True) * along)
 
 
+@checked
 def normals_closure(points: ArrayLike, normals: ArrayLike) -> float:
     """Greatest defect of n_k = n - 2 <n, e> e over all edges: zero for circular nets (2.7)."""
     x, n = net_points(points, 3), np.asarray(normals, dtype=np.float64)

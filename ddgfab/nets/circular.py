@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.conjugate import conjugate_residuals
@@ -21,6 +22,7 @@ _COLLINEAR = "three corners lie on a line: their edges are parallel"
 
 
 # --- circles -------------------------------------------------------------------------------------
+@checked
 def circumcircle(p: ArrayLike, q: ArrayLike, r: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Centre (..., 3), radius (...) and unit normal (..., 3) of the circle through three points.
 
@@ -51,6 +53,7 @@ def _centre(length: Floats, along: Floats, across: Floats) -> tuple[Floats, Floa
     return half, (along * (along - length) + across**2) / (2.0 * across)
 
 
+@checked
 def circularity(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     """Distance of the fourth point of each quad from the circle of the others, by radius.
 
@@ -83,6 +86,7 @@ def circularity_kernel(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Pl
     return np.asarray(np.maximum(off_sphere, off_plane) / radius)
 
 
+@checked
 def circular_residuals(points: ArrayLike) -> dict[str, float]:
     """Greatest planarity and circularity over the quads of all pairs of directions."""
     worst = max(float(circularity(points, p).max(initial=0.0)) for p in pairs(points))
@@ -90,6 +94,7 @@ def circular_residuals(points: ArrayLike) -> dict[str, float]:
 
 
 # --- angles ---------------------------------------------------------------------------------------
+@checked
 def interior_angles(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     """Angle [rad] of each quad at x_k, from x - x_k towards the side of x_l.
 
@@ -118,6 +123,7 @@ def interior_angles(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats
     return measure(points, axes, kernel)
 
 
+@checked
 def angle_sum_defect(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     """|angle at x + angle at x_kl - angle at x_k - angle at x_l| / 2 [rad] of each quad (2.6).
 
@@ -140,6 +146,7 @@ def angle_sum_defect(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Float
 
 
 # --- the fourth point ----------------------------------------------------------------------------
+@checked
 def fourth_by_t(
     x: ArrayLike, x1: ArrayLike, x2: ArrayLike, t: ArrayLike, *, convex: bool = False
 ) -> Floats:
@@ -180,6 +187,7 @@ def _t_rule(
     return np.asarray(x + image / dot(image, image))
 
 
+@checked
 def fourth_by_angle(
     x: ArrayLike, x1: ArrayLike, x2: ArrayLike, angle: ArrayLike, *, convex: bool = False
 ) -> Floats:
@@ -226,6 +234,7 @@ def _angle_rule(
 
 
 # --- evolution -----------------------------------------------------------------------------------
+@checked
 def evolve_by_angles(
     first: ArrayLike, second: ArrayLike, angles: ArrayLike, *, convex: bool = False
 ) -> Floats:
@@ -255,6 +264,7 @@ def evolve_by_angles(
     return sweep(first, second, (angles,), rule)
 
 
+@checked
 def evolve_by_cross_ratio(
     first: ArrayLike, second: ArrayLike, ratios: ArrayLike, *, convex: bool = False
 ) -> Floats:

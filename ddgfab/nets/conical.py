@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, unit
 from ddgfab.nets.axes import circle_axes, vertex_normals
@@ -12,6 +13,7 @@ from ddgfab.nets.conjugate import planarity
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def face_normals(points: ArrayLike) -> Floats:
     """(M, N, 3) unit normals of the quads, on the side of (first direction) x (second direction).
 
@@ -65,6 +67,7 @@ def _stars(values: Floats) -> Floats:
     return np.stack([values[:-1, :-1], values[1:, :-1], values[1:, 1:], values[:-1, 1:]], axis=2)
 
 
+@checked
 def conical_determinant(points: ArrayLike, normals: ArrayLike | None = None) -> Floats:
     """(M - 1, N - 1) det(N1 - N0, N2 - N0, N3 - N0) of the unit face normals at interior vertices.
 
@@ -95,6 +98,7 @@ def conical_determinant(points: ArrayLike, normals: ArrayLike | None = None) -> 
     return np.asarray(np.einsum("ijk,ijk->ij", a, np.cross(b, c)))
 
 
+@checked
 def angle_balance(points: ArrayLike) -> Floats:
     """(M - 1, N - 1) w0 + w2 - w1 - w3 [rad] of the face angles at interior vertices, going round.
 
@@ -114,6 +118,7 @@ def angle_balance(points: ArrayLike) -> Floats:
     return total
 
 
+@checked
 def conical_residuals(points: ArrayLike) -> dict[str, float]:
     """How far a net is from conical: greatest planarity and greatest defect of its normals.
 
@@ -132,6 +137,7 @@ def conical_residuals(points: ArrayLike) -> dict[str, float]:
     return {"planarity": float(np.abs(planarity(x)).max()), "normals": float(defect.max())}
 
 
+@checked
 def cone_offsets(points: ArrayLike) -> Floats:
     """(M - 1, N - 1, 3) how interior vertices move when every face moves by 1 along its normal.
 
@@ -159,6 +165,7 @@ FLAT_STAR = 1e-6
 """Relative singular value below which the four normals of a vertex count as one or two."""
 
 
+@checked
 def cone_axes(points: ArrayLike) -> Floats:
     """(M - 1, N - 1, 3) unit axes of the cones at interior vertices, on the side of the normals.
 
@@ -167,6 +174,7 @@ def cone_axes(points: ArrayLike) -> Floats:
     return unit(cone_offsets(points))
 
 
+@checked
 def best_normal(points: ArrayLike) -> Floats:
     """(3,) the first normal for which the reflected vertex normals are nearest to the surface's.
 
@@ -187,6 +195,7 @@ def best_normal(points: ArrayLike) -> Floats:
     return unit(np.einsum("ijkl,ijk->l", moved[inner], unit(target[inner])))
 
 
+@checked
 def circular_to_conical(points: ArrayLike, first: ArrayLike | None = None) -> Floats:
     """(M, N, 3) conical net whose faces lie in the planes across the normals of a circular net.
 
@@ -228,6 +237,7 @@ def circular_to_conical(points: ArrayLike, first: ArrayLike | None = None) -> Fl
     return np.asarray(centre + (height / weight)[..., None] * axis)
 
 
+@checked
 def conical_to_circular(points: ArrayLike, first: ArrayLike | None = None) -> Floats:
     """(M, N, 3) circular net with one point in each face of a conical net.
 

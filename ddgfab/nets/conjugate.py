@@ -12,12 +12,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.quads import Place, columns, cross, dot, edge_frame, measure, norm, pairs, sweep
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def planarity(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     """Distance of the diagonals of each quad, divided by their mean length.
 
@@ -52,6 +54,7 @@ def _planarity(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -> 
     return np.asarray(norm(away - dot(away, frame.w) * frame.w) / mean)
 
 
+@checked
 def planarity_flagged(points: ArrayLike) -> tuple[Floats, NDArray[np.bool_]]:
     """As `planarity` without sign, and 0 with a flag where diagonals are parallel.
 
@@ -86,6 +89,7 @@ def planarity_flagged(points: ArrayLike) -> tuple[Floats, NDArray[np.bool_]]:
     return both[..., 0], both[..., 1] > 0
 
 
+@checked
 def conjugate_residuals(points: ArrayLike) -> dict[str, float]:
     """Greatest planarity over the quads of all pairs of directions."""
     return {
@@ -95,6 +99,7 @@ def conjugate_residuals(points: ArrayLike) -> dict[str, float]:
     }
 
 
+@checked
 def quad_volumes(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     """Volume of the tetrahedron of each quad's corners in R^3 (mathematics.md 1.2, 2.6)."""
 
@@ -104,6 +109,7 @@ def quad_volumes(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
     return measure(points, axes, kernel, dim=3)
 
 
+@checked
 def quad_volume_density(
     surface: Callable[[float, float], ArrayLike], at: tuple[float, float], step: float
 ) -> float:
@@ -125,6 +131,7 @@ def quad_volume_density(
     return float(3.0 * quad_volumes(np.asarray(corners, dtype=np.float64))[0, 0] / step**4)
 
 
+@checked
 def conj_coeffs(
     x: ArrayLike, xk: ArrayLike, xl: ArrayLike, xkl: ArrayLike
 ) -> tuple[Floats, Floats]:
@@ -159,6 +166,7 @@ def coeffs_kernel(
     return np.asarray(c_lk), np.asarray(c_kl)
 
 
+@checked
 def coefficients(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> tuple[Floats, Floats]:
     """(c^lk, c^kl) of all quads of directions k, l of a net; see `conj_coeffs`."""
 
@@ -169,6 +177,7 @@ def coefficients(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> tuple[Flo
     return both[..., 0], both[..., 1]
 
 
+@checked
 def conj_residual(x: ArrayLike, xk: ArrayLike, xl: ArrayLike, xkl: ArrayLike) -> Floats:
     """Distance of x_kl from the plane of the others, by the length of its diagonal (1.4)."""
     p, pk, pl, pkl = columns(x, xk, xl, xkl)
@@ -179,6 +188,7 @@ def conj_residual(x: ArrayLike, xk: ArrayLike, xl: ArrayLike, xkl: ArrayLike) ->
     return np.asarray(norm(pkl - fitted) / diagonal)
 
 
+@checked
 def evolve_conjugate(first: ArrayLike, second: ArrayLike, c21: ArrayLike, c12: ArrayLike) -> Floats:
     """(M + 1, N + 1, dim) conjugate net from two polylines and its coefficients.
 

@@ -8,11 +8,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.quads import Place, columns, cross, dot, measure, norm
 
 
+@checked
 def complex_cross_ratio(
     a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike
 ) -> NDArray[np.complex128]:
@@ -31,6 +33,7 @@ def complex_cross_ratio(
     return np.asarray((p - q) * (r - s) / below)
 
 
+@checked
 def cross_ratio(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> tuple[Floats, Floats]:
     """Real part and length of the imaginary part of the quaternionic cross-ratio of four points.
 
@@ -53,6 +56,7 @@ def cross_ratio(a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> tuple
     return both[0], both[1]
 
 
+@checked
 def cross_ratios(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> tuple[Floats, Floats]:
     """Cross-ratios q(x, x_k, x_kl, x_l) of the quads of a net in R^2 or R^3; see `cross_ratio`."""
     both = measure(points, axes, _cross_ratio)

@@ -15,6 +15,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints, extent
 from ddgfab.nets.conjugate import coeffs_kernel, conj_residual, planarity
@@ -26,6 +27,7 @@ _IDENTITY = np.eye(3)
 
 
 # --- coefficients --------------------------------------------------------------------------------
+@checked
 def cube_xi(coefficients: ArrayLike) -> Floats:
     """(..., 3) xi of cubes: x_123 = x + sum xi_k (x_k - x).
 
@@ -71,6 +73,7 @@ def _xi(c: Floats, place: Place) -> Floats:
     return np.asarray(np.linalg.solve(system, np.ones((*c.shape[:-1], 1)))[..., 0])
 
 
+@checked
 def phi(coefficients: ArrayLike) -> Floats:
     """Coefficients of the three quads of a cube opposite to those at x (Lemma 2.4).
 
@@ -101,11 +104,13 @@ def phi(coefficients: ArrayLike) -> Floats:
     return out
 
 
+@checked
 def phi_inverse(coefficients: ArrayLike) -> Floats:
     """The inverse of `phi`: the same map seen from the opposite corner of the cube (1.7)."""
     return seen_from_opposite(phi(seen_from_opposite(coefficients)))
 
 
+@checked
 def seen_from_opposite(coefficients: ArrayLike) -> Floats:
     """Coefficients of each quad as seen from its opposite corner; an involution (1.7).
 
@@ -128,6 +133,7 @@ def seen_from_opposite(coefficients: ArrayLike) -> Floats:
 
 
 # --- one cube ------------------------------------------------------------------------------------
+@checked
 def cube_point(
     x: ArrayLike,
     x1: ArrayLike,
@@ -175,6 +181,7 @@ def _cube(x: Floats, ends: tuple[Floats, ...], quads: tuple[Floats, ...], place:
 
 
 # --- evolution -----------------------------------------------------------------------------------
+@checked
 def coordinate_surfaces(points: ArrayLike) -> dict[tuple[int, int], Floats]:
     """The 2-nets of a d-net through its first point, by their pair of directions."""
     x = np.asarray(points, dtype=np.float64)
@@ -185,6 +192,7 @@ def coordinate_surfaces(points: ArrayLike) -> dict[tuple[int, int], Floats]:
     return out
 
 
+@checked
 def evolve_3d(
     x12: ArrayLike, x13: ArrayLike, x23: ArrayLike, *, tolerance: float = NET_INPUT
 ) -> Floats:
@@ -199,6 +207,7 @@ def evolve_3d(
     return evolve_nd({(0, 1): x12, (0, 2): x13, (1, 2): x23}, tolerance=tolerance)
 
 
+@checked
 def evolve_nd(
     surfaces: Mapping[tuple[int, int], ArrayLike],
     *,

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
 from ddgfab.nets.circular import circular_residuals
@@ -30,6 +31,7 @@ LABELS: Final = "labels of the directions are equal: alpha_j - alpha_i"
 
 
 # --- what it is ----------------------------------------------------------------------------------
+@checked
 def cross_ratio_labels(points: ArrayLike) -> tuple[tuple[Floats, ...], float]:
     """Labels of the edges by direction, and how far cross-ratios are from their quotients.
 
@@ -97,6 +99,7 @@ def _label_signs(ratios: dict[tuple[int, int], Floats], d: int) -> list[Floats]:
     return [first, *np.split(others, ends)]
 
 
+@checked
 def isothermic_residuals(points: ArrayLike) -> dict[str, float]:
     """Greatest planarity, circularity and defect of the cross-ratios' factorisation.
 
@@ -107,6 +110,7 @@ def isothermic_residuals(points: ArrayLike) -> dict[str, float]:
 
 
 # --- how it evolves ------------------------------------------------------------------------------
+@checked
 def isothermic_point(
     x: ArrayLike, x1: ArrayLike, x2: ArrayLike, alpha1: ArrayLike, alpha2: ArrayLike
 ) -> Floats:
@@ -154,6 +158,7 @@ def point_rule(x: Floats, x1: Floats, x2: Floats, a: Floats, b: Floats, place: P
     return np.asarray(x + far / square)
 
 
+@checked
 def evolve_isothermic(
     first: ArrayLike,
     second: ArrayLike,

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
 from ddgfab.nets.isothermic import (
@@ -23,6 +24,7 @@ from ddgfab.quads import Place
 from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 
 
+@checked
 def evolve_isothermic_nd(
     lines: Sequence[ArrayLike],
     labels: Sequence[ArrayLike],

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
 from ddgfab.nets.asymptotic import star_flatness
@@ -26,6 +27,7 @@ Transform = Callable[[Floats], ArrayLike]
 Residuals = Callable[[Floats], Mapping[str, float]]
 
 
+@checked
 def sample(surface: Callable[..., ArrayLike], *parameters: ArrayLike) -> Floats:
     """(n1, ..., nd, dim) net of a smooth map of d variables at given values of each.
 
@@ -47,6 +49,7 @@ def sample(surface: Callable[..., ArrayLike], *parameters: ArrayLike) -> Floats:
     return net
 
 
+@checked
 def stack_transforms(nets: Sequence[ArrayLike]) -> Floats:
     """(n1, ..., nd, k, dim) net whose layers in the last direction are the given nets.
 
@@ -72,6 +75,7 @@ def stack_transforms(nets: Sequence[ArrayLike]) -> Floats:
     return np.stack(sheets, axis=-2)
 
 
+@checked
 def lattice(
     net: ArrayLike,
     transform_a: Transform,
@@ -202,6 +206,7 @@ _CLASSES: Final[dict[str, Residuals]] = {
 }
 
 
+@checked
 def common_transform(
     net: ArrayLike,
     first: ArrayLike,

@@ -11,6 +11,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.circular import circularity, circularity_kernel, evolve_by_angles
@@ -19,6 +20,7 @@ from ddgfab.quads import Place, columns, net_points
 from ddgfab.tolerances import NET_INPUT
 
 
+@checked
 def miquel_point(
     x: ArrayLike,
     x1: ArrayLike,
@@ -53,6 +55,7 @@ def miquel_point(
     return cube_point(x, x1, x2, x3, x12, x13, x23, tolerance)
 
 
+@checked
 def evolve_circular(
     surfaces: Mapping[tuple[int, int], ArrayLike],
     *,
@@ -82,6 +85,7 @@ def evolve_circular(
     return evolve_nd(surfaces, verify=verify, tolerance=tolerance)
 
 
+@checked
 def evolve_circular_by_angles(
     lines: Sequence[ArrayLike],
     angles: Mapping[tuple[int, int], ArrayLike],
@@ -116,6 +120,7 @@ def evolve_circular_by_angles(
     return evolve_nd(surfaces, verify=verify)
 
 
+@checked
 def sphere_defect(points: ArrayLike) -> Floats:
     """(n1 - 1, n2 - 1, n3 - 1) distance of the cubes' vertices from one sphere, by its radius.
 

@@ -13,6 +13,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints
 from ddgfab.quads import (
@@ -30,6 +31,7 @@ from ddgfab.tolerances import NET_INPUT, RELATIVE_DEGENERATE
 
 
 # --- quads ---------------------------------------------------------------------------------------
+@checked
 def moutard_coefficients(field: ArrayLike, axes: tuple[int, int] = (0, 1)) -> tuple[Floats, Floats]:
     """Coefficients a_kl of the quads of two directions, and how much they miss the equation.
 
@@ -67,6 +69,7 @@ def _coefficient(m: Floats, m_k: Floats, m_l: Floats, m_kl: Floats, place: Place
     return np.stack([a, norm(long - a * short) / (norm(long) + np.sqrt(square))])
 
 
+@checked
 def evolve_moutard(first: ArrayLike, second: ArrayLike, coefficients: ArrayLike) -> Floats:
     """(M + 1, N + 1, dim) T-net from two polylines and the coefficients a_12 of its quads.
 
@@ -90,6 +93,7 @@ def evolve_moutard(first: ArrayLike, second: ArrayLike, coefficients: ArrayLike)
 
 
 # --- cubes ---------------------------------------------------------------------------------------
+@checked
 def star_triangle(a12: ArrayLike, a23: ArrayLike, a31: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Coefficients (tau_3 a_12, tau_1 a_23, tau_2 a_31) of the quads opposite to three at a corner.
 
@@ -122,6 +126,7 @@ def _star_triangle(p: Floats, q: Floats, s: Floats, place: Place) -> tuple[Float
     return -p / below, -q / below, -s / below
 
 
+@checked
 def moutard_cube(
     m: ArrayLike, m1: ArrayLike, m2: ArrayLike, m3: ArrayLike, m12: ArrayLike, m13: ArrayLike,
     m23: ArrayLike,
@@ -155,6 +160,7 @@ def _cube(corners: tuple[Floats, ...], place: Place) -> Floats:
     return np.asarray(m1 + shifted[1] * (m13 - m12))
 
 
+@checked
 def evolve_tnet(surfaces: Mapping[tuple[int, int], ArrayLike], *, verify: bool = False) -> Floats:
     """(n1, ..., nd, dim) T-net from its d (d - 1) / 2 coordinate surfaces, d > 2.
 

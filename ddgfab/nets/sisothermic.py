@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.circles import Circles, Spheres
 from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh, extent, unit
@@ -229,6 +230,7 @@ def tangential(mesh: Mesh) -> Tangential:
     )
 
 
+@checked
 def dual_face(points: ArrayLike) -> Floats:
     """Corners of the dual of one polygon with an incircle; a polygon with an incircle again.
 
@@ -285,6 +287,7 @@ class Dual:
     closing: float
 
 
+@checked
 def dual(net: SIsothermic, labels: Ints | None = None, tolerance: float = CLOSING) -> Dual:
     """The dual s-isothermic net: edges e / (r_i r_j) with alternating signs, spheres 1 / r.
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError, MeshError
 from ddgfab.mesh import Ints, Mesh
 from ddgfab.trees import alternating_signs, corner_graph
@@ -22,6 +23,7 @@ _ADVICE = (
 )
 
 
+@checked
 def label_edges(mesh: Mesh) -> Ints:
     """(E,) +1 and -1, alternating round every face; +1 at the first edge of each component.
 
@@ -106,6 +108,7 @@ class Piece:
     faces: Ints
 
 
+@checked
 def piece(mesh: Mesh, faces: Ints | NDArray[np.bool_]) -> Piece:
     """The given faces (ids, or a mask of all) as a mesh of their own.
 
@@ -156,6 +159,7 @@ class DoubleCover:
     labels: Ints
 
 
+@checked
 def double_cover(mesh: Mesh) -> DoubleCover:
     """The branched double cover on which edges alternate: branched at odd vertices and faces.
 

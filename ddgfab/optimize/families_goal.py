@@ -22,6 +22,7 @@ from typing import get_args
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError, OptimizeError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Ints, Mesh, unit
@@ -91,6 +92,7 @@ class FamiliesResult(OptimizeResult):
         return len(np.unique(self.labels))
 
 
+@checked
 def families(
     mesh: Mesh,
     *,

@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints
 from ddgfab.optimize.linear import SymmetricSolver
 from ddgfab.optimize.merit import Merit, damped
@@ -55,6 +56,7 @@ def forecast_of(problem: Problem, unit: float, normals: Floats) -> Forecast:
     )
 
 
+@checked
 def forecast_text(forecast: Forecast, unit: str = "mm") -> str:
     """The forecast as one sentence."""
     distance = f"about {forecast.distance_mean:.3g} {unit} from the surface on average"

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array, dia_array, diags_array, eye_array, vstack
 
+from ddgfab.arguments import checked
 from ddgfab.errors import OptimizeError
 from ddgfab.mesh import Floats, Ints
 from ddgfab.optimize.linear import SymmetricSolver
@@ -160,6 +161,7 @@ class _Stepper:
         return Direct.of(self._solver, state.hessian(damping), lines, chosen.regularisation)
 
 
+@checked
 def solve(
     problem: Problem,
     options: SolveOptions | None = None,
@@ -218,6 +220,7 @@ def solve(
     return _finished(problem, state, status, history, chosen, throw)
 
 
+@checked
 def polish(
     problem: Problem,
     options: SolveOptions | None = None,

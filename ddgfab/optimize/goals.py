@@ -7,6 +7,7 @@ from typing import Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError, OptimizeError
 from ddgfab.measures import dihedral_angles
 from ddgfab.mesh import Ints, Mesh
@@ -64,6 +65,7 @@ Goal: TypeAlias = Literal["planar", "circular", "conical", "torsion-free", "fami
 torsion-free node axes, fewer families of congruent pieces."""
 
 
+@checked
 def optimize(
     mesh: Mesh,
     goal: Goal = "planar",
@@ -167,6 +169,7 @@ def optimize(
     return result
 
 
+@checked
 def expected(mesh: Mesh) -> Forecast | None:
     """What planar faces of a mesh will cost, from one linear solve; None where they are planar.
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh
 
@@ -165,6 +166,7 @@ class Problem:
         return self.layout.values(x, VERTICES)
 
 
+@checked
 def mean_edge(mesh: Mesh) -> float:
     """Mean length of the edges: the unit in which movements and residuals are measured."""
     length = float(mesh.edge_lengths.mean())

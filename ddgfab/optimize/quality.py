@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.measures import dihedral_angles, interior_angles, planarity_percent
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
@@ -46,6 +47,7 @@ class Quality:
         )
 
 
+@checked
 def roughness(mesh: Mesh) -> float:
     """Root mean square of the bends of polylines, |x0 - 2 x1 + x2| over the mean edge."""
     bends = second_differences(mesh) @ mesh.vertices
@@ -84,6 +86,7 @@ def _crossed(mesh: Mesh) -> NDArray[np.bool_]:
     return crossed
 
 
+@checked
 def folded_faces(mesh: Mesh, before: Mesh | None = None) -> Ints:
     """Faces of which sides cross or have collapsed, without area, or folded over a neighbour.
 

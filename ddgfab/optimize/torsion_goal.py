@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError, OptimizeError
 from ddgfab.measures import planarity_percent, torsion
 from ddgfab.mesh import Floats, Ints, Mesh
@@ -62,6 +63,7 @@ class TorsionFreeResult(OptimizeResult):
         return SupportStructure.of(self.mesh, self.axes, "optimize", status=self.status)
 
 
+@checked
 def torsion_free(
     mesh: Mesh,
     *,

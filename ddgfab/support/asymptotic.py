@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import SupportError
 from ddgfab.measures import star_defect
 from ddgfab.mesh import Floats, Mesh, unit
@@ -13,6 +14,7 @@ ASYMPTOTIC_BEND = 0.25
 """A net whose edges bend by less than this part of their normals' turn is called asymptotic."""
 
 
+@checked
 def edge_bend(mesh: Mesh) -> float:
     """How much edges bend in normal direction, as part of the turn of the normals along them.
 

@@ -6,6 +6,7 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, SupportError
 from ddgfab.measures import circular_defect, conical_defect, planarity_percent, torsion
 from ddgfab.mesh import Floats, Mesh
@@ -36,6 +37,7 @@ _EXACT = {
 }
 
 
+@checked
 def support_structure(
     mesh: Mesh,
     kind: SupportKind = "auto",

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.tolerances import RELATIVE_DEGENERATE
@@ -18,6 +19,7 @@ EDGE_RELATIVE: Final = 1e-9
 """Greatest turn of edges [rad], and spread of their distance in parts of it, of an edge offset."""
 
 
+@checked
 def edge_axes(mesh: Mesh, tolerance: float = EDGE_RELATIVE) -> Floats:
     """(V, 3) unit axes along the vertices of the parallel Koebe net: beams of one height.
 
@@ -31,6 +33,7 @@ def edge_axes(mesh: Mesh, tolerance: float = EDGE_RELATIVE) -> Floats:
     return unit(koebe_field(mesh, tolerance))
 
 
+@checked
 def koebe_field(mesh: Mesh, tolerance: float = EDGE_RELATIVE) -> Floats:
     """(V, 3) vertices of the parallel Koebe net: every edge touches the unit sphere.
 
@@ -141,6 +144,7 @@ def _refuse(mesh: Mesh, field: Floats, tolerance: float) -> None:
     )
 
 
+@checked
 def beam_heights(mesh: Mesh, axes: Floats) -> Floats:
     """(E, 2) heights at both ends of beams whose lower edges meet on the node axes.
 

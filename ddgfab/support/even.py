@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import SupportError
 from ddgfab.mesh import Mesh
 from ddgfab.support.nearest_axes import optimize
@@ -13,6 +14,7 @@ _LEAST_WEIGHT = 1e-3
 """Weight of an axis along its normal, against 1 for the one that leans most."""
 
 
+@checked
 def even_lean(
     mesh: Mesh, start: SupportStructure | None = None, rounds: int = 6
 ) -> SupportStructure:

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.support.parallel import parallel_field
 
@@ -16,6 +17,7 @@ FLAT_STAR = 1e-6
 """Relative singular value below which the face normals of a star count as one."""
 
 
+@checked
 def reflected_axes(mesh: Mesh) -> Floats:
     """(V, 3) unit axes of a circular net: each edge's bisector plane reflects one end to the other.
 
@@ -47,6 +49,7 @@ def reflected_axes(mesh: Mesh) -> Floats:
     return axes
 
 
+@checked
 def cone_axes(mesh: Mesh) -> Floats:
     """(V, 3) unit axes of a conical net: those of the cones that the faces at a vertex touch.
 

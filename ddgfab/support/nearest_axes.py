@@ -17,6 +17,7 @@ import numpy as np
 from scipy.sparse import block_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
+from ddgfab.arguments import checked
 from ddgfab.errors import SupportError
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Ints, Mesh, unit
@@ -137,6 +138,7 @@ def _line_search(merit: Callable[[float], float], slope: float, first: float) ->
     return length
 
 
+@checked
 def optimize(
     mesh: Mesh,
     start: Floats | None = None,

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import splu
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.support.nearest_axes import tangent_frames
 
@@ -38,6 +39,7 @@ def edge_conditions(mesh: Mesh) -> csr_array:
     )
 
 
+@checked
 def parallel_field(mesh: Mesh, target: Floats, weights: Floats | None = None) -> Floats:
     """(V, 3) differences d to the parallel mesh nearest to a target field, by least squares.
 
@@ -71,6 +73,7 @@ def parallel_field(mesh: Mesh, target: Floats, weights: Floats | None = None) ->
     return field.reshape(-1, 3)
 
 
+@checked
 def parallel_axes(mesh: Mesh) -> Floats:
     """(V, 3) unit axes of the parallel mesh nearest to the vertex normals (see `parallel_field`).
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def propagate_axes(
     points: ArrayLike, first: ArrayLike, along: ArrayLike, across: ArrayLike
 ) -> Floats:
@@ -90,6 +92,7 @@ def _turned(axis: Floats, edge: Floats, turn: float, vertex: tuple[int, int]) ->
     return np.asarray(np.cos(turn) * axis + np.sin(turn) * out / sine)
 
 
+@checked
 def node_torsion(mesh: Mesh, planes: ArrayLike) -> tuple[Floats, Floats]:
     """How far the beam planes at each vertex are from sharing a line, and the line nearest to it.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import SupportError
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Mesh
@@ -12,6 +13,7 @@ from ddgfab.support.structure import SupportStructure
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def best_centre(mesh: Mesh) -> Floats | None:
     """(3,) the point nearest to all vertex normal lines (least squares), None if at infinity.
 
@@ -28,6 +30,7 @@ def best_centre(mesh: Mesh) -> Floats | None:
     return np.asarray(origin + np.linalg.solve(matrix, right))
 
 
+@checked
 def central(mesh: Mesh, centre: ArrayLike | None = None) -> SupportStructure:
     """Central structure: all axes pass through one point z, on the side of the normals.
 
@@ -73,6 +76,7 @@ def refuse_triangles(mesh: Mesh) -> SupportError:
     )
 
 
+@checked
 def incircle_axes(mesh: Mesh) -> tuple[Floats, Floats]:
     """Centres (F, 3) and unit axes (F, 3) of the incircles of a triangle mesh.
 

@@ -9,10 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, unit
 
 
+@checked
 def ellipsoid_patch(
     u: ArrayLike, v: ArrayLike, a: float = 9.0, b: float = 4.0, c: float = 1.0
 ) -> Floats:
@@ -40,11 +42,13 @@ def ellipsoid_patch(
     return np.sqrt(np.stack(squares, axis=-1))
 
 
+@checked
 def ellipsoid_normals(points: ArrayLike, a: float = 9.0, b: float = 4.0, c: float = 1.0) -> Floats:
     """(..., 3) outward unit normals at points (..., 3) of the ellipsoid."""
     return unit(np.asarray(points, dtype=np.float64) / [a, b, c])
 
 
+@checked
 def ellipsoid_curvatures(
     u: ArrayLike, v: ArrayLike, a: float = 9.0, b: float = 4.0, c: float = 1.0
 ) -> tuple[Floats, Floats]:
@@ -62,6 +66,7 @@ def ellipsoid_curvatures(
     return root / (p * np.sqrt(p * q)), root / (q * np.sqrt(p * q))
 
 
+@checked
 def ellipsoid_umbilics(a: float = 9.0, b: float = 4.0, c: float = 1.0) -> Floats:
     """(4, 3) umbilics, at u = v = b."""
     x, _, z = ellipsoid_patch(b, b, a, b, c)

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
 from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
@@ -61,6 +62,7 @@ def _points(surface: Surface, u: Floats, v: Floats) -> Floats:
     return x
 
 
+@checked
 def smooth_isothermic_residuals(
     surface: Surface, u: ArrayLike, v: ArrayLike, *, step: float = STEP
 ) -> dict[str, float]:
@@ -119,6 +121,7 @@ def _speeds(d1: Floats, d2: Floats, u: Floats, v: Floats) -> tuple[Floats, Float
     return a, b
 
 
+@checked
 def smooth_dual(
     surface: Surface, u: ArrayLike, v: ArrayLike, *, step: float = STEP
 ) -> tuple[Floats, float]:

@@ -13,6 +13,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 
 Array: TypeAlias = NDArray[Any]  # float64, or complex128 where a parameter is complex
@@ -21,6 +22,7 @@ QUADRATURE: Final = 60
 """Nodes of the quadrature of heights; exact to rounding but for the last percent below the rim."""
 
 
+@checked
 def pseudosphere_lines(u: ArrayLike, v: ArrayLike) -> Array:
     """(..., 3) points (sech u cos v, sech u sin v, u - tanh u); the cuspidal edge is u = 0."""
     p, q = np.broadcast_arrays(u, v)
@@ -28,6 +30,7 @@ def pseudosphere_lines(u: ArrayLike, v: ArrayLike) -> Array:
     return np.stack([sech * np.cos(q), sech * np.sin(q), p - np.tanh(p)], axis=-1)
 
 
+@checked
 def kuen_lines(u: ArrayLike, v: ArrayLike) -> Array:
     """(..., 3) points of Kuen's surface, 0 < v < pi; cuspidal edges where u sin v = +-1."""
     p, q = np.broadcast_arrays(u, v)
@@ -42,6 +45,7 @@ def kuen_lines(u: ArrayLike, v: ArrayLike) -> Array:
     )
 
 
+@checked
 def breather_lines(u: ArrayLike, v: ArrayLike, rate: float) -> Array:
     """(..., 3) points of the breather that decays along u at a rate between 0 and 1.
 
@@ -68,6 +72,7 @@ def breather_lines(u: ArrayLike, v: ArrayLike, rate: float) -> Array:
     )
 
 
+@checked
 def dini_lines(u: ArrayLike, v: ArrayLike, sigma: float = 0.5 * np.pi) -> Array:
     """(..., 3) points of Dini's surface: the tractrix in u turned by v and raised with it.
 
@@ -90,6 +95,7 @@ def dini_lines(u: ArrayLike, v: ArrayLike, sigma: float = 0.5 * np.pi) -> Array:
     return np.stack([sech * np.cos(q), sech * np.sin(q), s * (p - np.tanh(p)) + c * q], axis=-1)
 
 
+@checked
 def rotational_lines(u: ArrayLike, v: ArrayLike, waist: float) -> Array:
     """(..., 3) points of the waisted rotational surface: radius waist cosh u, v its azimuth.
 

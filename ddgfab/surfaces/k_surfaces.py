@@ -14,6 +14,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.surfaces.sine_gordon import Solution, increasing, integrated
@@ -33,6 +34,7 @@ class KSurface:
     normals: Floats
 
 
+@checked
 def dini(u: ArrayLike, v: ArrayLike, sigma: float = 0.5 * np.pi, start: float = 1.0) -> KSurface:
     """Dini's surface: the transform of the straight line with angle sigma.
 
@@ -58,11 +60,13 @@ def dini(u: ArrayLike, v: ArrayLike, sigma: float = 0.5 * np.pi, start: float = 
     return KSurface(points.real, normals.real)
 
 
+@checked
 def pseudosphere(u: ArrayLike, v: ArrayLike) -> KSurface:
     """The pseudosphere: azimuth u + v + pi / 2, its meridian the tractrix in v - u."""
     return dini(u, v)
 
 
+@checked
 def breather(u: ArrayLike, v: ArrayLike, tau: float, start: complex = 1.0) -> KSurface:
     """The breather: two transforms of the straight line with angles pi / 2 +- i tau.
 
@@ -92,6 +96,7 @@ def breather(u: ArrayLike, v: ArrayLike, tau: float, start: complex = 1.0) -> KS
     return KSurface(points + a * np.cross(p, q), normals - a * q)
 
 
+@checked
 def kuen(u: ArrayLike, v: ArrayLike, shift: float = 0.0) -> KSurface:
     """Kuen's surface: the breather's limit tau -> 0, two transforms of one angle pi / 2.
 
@@ -132,6 +137,7 @@ def double_transform(
     return points + factor * np.cross(d, first), normals + factor * d
 
 
+@checked
 def surface_of(solution: Solution, u: ArrayLike, v: ArrayLike) -> KSurface:
     """(M, N, 3) points and normals of the surface of a solution of phi_uv = sin phi.
 
@@ -175,6 +181,7 @@ def surface_of(solution: Solution, u: ArrayLike, v: ArrayLike) -> KSurface:
     return KSurface(np.ascontiguousarray(found[0]), np.ascontiguousarray(found[2]))
 
 
+@checked
 def amsler_angle(r: ArrayLike, start: float) -> tuple[Floats, Floats]:
     """f and f' of Amsler's angle phi(u, v) = f(u v): r f'' + f' = sin f, f(0) = start.
 
@@ -207,6 +214,7 @@ def amsler_angle(r: ArrayLike, start: float) -> tuple[Floats, Floats]:
     return f[back].reshape(given.shape), slope[back].reshape(given.shape)
 
 
+@checked
 def amsler(u: ArrayLike, v: ArrayLike, start: float) -> KSurface:
     """(M, N, 3) Amsler's surface, which holds two straight lines that cross at an angle.
 

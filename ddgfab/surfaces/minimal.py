@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 
@@ -135,16 +136,19 @@ class Weierstrass:
         return Weierstrass(lambda z: turn * f(z), self.g, self.slope)
 
 
+@checked
 def smooth_enneper() -> Weierstrass:
     """Enneper's surface, f = 1, g = z: (u - u^3/3 + u v^2, -v + v^3/3 - u^2 v, u^2 - v^2) / 2."""
     return Weierstrass(np.ones_like, lambda z: z, np.ones_like)
 
 
+@checked
 def smooth_catenoid() -> Weierstrass:
     """The catenoid, f = e^-z, g = e^z: (1, 0, 0) - (cosh u cos v, cosh u sin v, -u), waist 1."""
     return Weierstrass(lambda z: np.exp(-z), np.exp, np.exp)
 
 
+@checked
 def smooth_scherk_tower() -> Weierstrass:
     """Scherk's tower, f = 4 i / (1 - z^4), g = z; z runs in the unit disc.
 
@@ -155,6 +159,7 @@ def smooth_scherk_tower() -> Weierstrass:
     return Weierstrass(lambda z: 4j / (1.0 - z**4), lambda z: z, np.ones_like)
 
 
+@checked
 def smooth_schwarz_p() -> Weierstrass:
     """Schwarz' P surface, f = 1 / sqrt(1 + 14 z^4 + z^8), g = z, near z = 0.
 

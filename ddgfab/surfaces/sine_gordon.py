@@ -13,6 +13,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.tolerances import RELATIVE_DEGENERATE
@@ -27,6 +28,7 @@ ODE_ABSOLUTE: Final = 1e-13
 """Absolute error [rad, or units of length] that they keep at every step."""
 
 
+@checked
 def soliton(u: ArrayLike, v: ArrayLike, a: float, c: float = 1.0) -> Floats:
     """One soliton 4 atan(c e^(a u + v / a)): the Baecklund transform of 0.
 
@@ -48,6 +50,7 @@ def soliton(u: ArrayLike, v: ArrayLike, a: float, c: float = 1.0) -> Floats:
     return np.asarray(4.0 * np.arctan(c * np.exp(a * p + q / a)))
 
 
+@checked
 def permute(phi: ArrayLike, first: ArrayLike, second: ArrayLike, a: float, b: float) -> Floats:
     """The fourth solution phi12 from phi and its transforms with parameters a and b, by algebra.
 
@@ -69,6 +72,7 @@ def permute(phi: ArrayLike, first: ArrayLike, second: ArrayLike, a: float, b: fl
     return np.asarray(np.asarray(phi, dtype=np.float64) + 4.0 * np.sign(ratio) * own)
 
 
+@checked
 def solitons(
     u: ArrayLike, v: ArrayLike, parameters: Sequence[float], constants: Sequence[float]
 ) -> Floats:
@@ -104,6 +108,7 @@ def solitons(
     return row[0]
 
 
+@checked
 def breather_angle(u: ArrayLike, v: ArrayLike, rate: float) -> Floats:
     """The breather 4 atan(rate / q sin(q (u - v)) / cosh(rate (u + v))), q = sqrt(1 - rate^2).
 
@@ -122,6 +127,7 @@ def breather_angle(u: ArrayLike, v: ArrayLike, rate: float) -> Floats:
     return np.asarray(4.0 * np.arctan(rate / pulse * wave))
 
 
+@checked
 def baecklund_angle(
     solution: Solution, a: float, u: ArrayLike, v: ArrayLike, start: float
 ) -> Floats:
@@ -161,6 +167,7 @@ def baecklund_angle(
     return np.ascontiguousarray(integrated(along_v, first, q).T)
 
 
+@checked
 def sine_gordon_defect(phi: ArrayLike, u: ArrayLike, v: ArrayLike) -> Floats:
     """(M - 1, N - 1) of sampled angles (M, N): the second difference less sin phi, cell by cell.
 

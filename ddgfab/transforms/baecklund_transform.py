@@ -13,6 +13,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints
 from ddgfab.nets.knet.net import KNet, refuse_angles
@@ -25,6 +26,7 @@ GROWTH_LIMIT = 1e8
 """Transforms whose rounding errors (1e-16) may have grown by more are refused."""
 
 
+@checked
 def baecklund(net: KNet, sigma: float, psi: float) -> KNet:
     """Baecklund transform of a K-net, of angle sigma and with a given first segment.
 
@@ -63,6 +65,7 @@ def baecklund(net: KNet, sigma: float, psi: float) -> KNet:
     return baecklund_from(net, start / np.linalg.norm(start))
 
 
+@checked
 def baecklund_from(net: KNet, normal: ArrayLike) -> KNet:
     """Baecklund transform with a given normal at its first point; sigma is that to the net's.
 
@@ -153,6 +156,7 @@ def _aside(net: KNet, m: Floats) -> Floats:
     return np.asarray(net.points + net.r * np.moveaxis(step, 0, -1))
 
 
+@checked
 def bianchi(net: KNet, first: KNet, second: KNet) -> KNet:
     """The K-net that is a Baecklund transform of two transforms of one net, with their angles.
 
@@ -198,6 +202,7 @@ def bianchi(net: KNet, first: KNet, second: KNet) -> KNet:
     return KNet(points, np.moveaxis(m + a * d, 0, -1), net.r, net.deltas)
 
 
+@checked
 def baecklund_lattice(net: KNet, sigmas: Sequence[float], psis: Sequence[float]) -> KNet:
     """K-net of a net's directions and one more, two points long, for each Baecklund transform.
 

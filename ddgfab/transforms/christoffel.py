@@ -11,6 +11,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.isothermic import net_labels
@@ -18,6 +19,7 @@ from ddgfab.quads import Place, finite, layer, net_points, summed
 from ddgfab.tolerances import NET_INPUT
 
 
+@checked
 def christoffel_dual(
     points: ArrayLike,
     labels: Sequence[ArrayLike] | None = None,

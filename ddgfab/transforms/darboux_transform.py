@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.isothermic import isothermic_point, net_labels
@@ -18,6 +19,7 @@ from ddgfab.quads import Place, finite, net_points
 from ddgfab.tolerances import NET_INPUT
 
 
+@checked
 def darboux(
     points: ArrayLike,
     mu: float,
@@ -58,6 +60,7 @@ def darboux(
     return darboux_layer(x, alpha, mu, first, tolerance)
 
 
+@checked
 def darboux_common(
     points: ArrayLike, first: ArrayLike, second: ArrayLike, mu1: float, mu2: float
 ) -> Floats:
@@ -81,6 +84,7 @@ def darboux_common(
     return isothermic_point(x, a, b, mu1, mu2)
 
 
+@checked
 def darboux_dual(points: ArrayLike, transform: ArrayLike, dual: ArrayLike, mu: float) -> Floats:
     """Dual of a Darboux transform from the dual x* of the net: x* + mu inv(x^(1) - x).
 

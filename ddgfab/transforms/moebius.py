@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
@@ -21,6 +22,7 @@ NEAR_CENTER: Final = 1e-2
 the other: as one map x -> A J(x - p) + b they would lose the digits of radius / distance."""
 
 
+@checked
 def invert(points: ArrayLike, centre: ArrayLike, radius: float) -> Floats:
     """(..., 3) images of points in the inversion x -> c + R^2 (x - c) / |x - c|^2.
 
@@ -49,6 +51,7 @@ def _refuse_center(square: Floats, radius: float) -> None:
         )
 
 
+@checked
 def invert_normals(points: ArrayLike, normals: ArrayLike, centre: ArrayLike) -> Floats:
     """(..., 3) unit normals at the images of points: reflected in the plane across x - c.
 

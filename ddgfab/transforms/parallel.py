@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.support.parallel import edge_conditions, parallel_field
@@ -19,6 +20,7 @@ NULL_RELATIVE: Final = 1e-9
 """Singular values below this part of the greatest count as zero, where there is a gap."""
 
 
+@checked
 def parallel_space(mesh: Mesh) -> Floats:
     """(K, V, 3) orthonormal basis of all v' for which every edge of (v', faces) is parallel.
 
@@ -45,11 +47,13 @@ def parallel_space(mesh: Mesh) -> Floats:
     return np.asarray(rows[rank:].reshape(-1, mesh.n_vertices, 3))
 
 
+@checked
 def parallel_dimension(mesh: Mesh) -> int:
     """Dimension of the space of parallel meshes, translations included (see `parallel_space`)."""
     return len(parallel_space(mesh))
 
 
+@checked
 def nearest_parallel(mesh: Mesh, target: ArrayLike, weights: ArrayLike | None = None) -> Mesh:
     """The parallel mesh whose vertices are nearest to (V, 3) targets, by least squares.
 
@@ -72,6 +76,7 @@ def nearest_parallel(mesh: Mesh, target: ArrayLike, weights: ArrayLike | None = 
     return mesh.with_vertices(parallel_field(mesh, wanted, weight))
 
 
+@checked
 def combescure(
     points: ArrayLike, along: ArrayLike, across: ArrayLike, origin: ArrayLike | None = None
 ) -> Floats:

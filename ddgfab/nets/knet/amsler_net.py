@@ -8,11 +8,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.nets.knet.net import KNet, knet
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def amsler(alphas: ArrayLike, betas: ArrayLike, angle: float, *, r: float = 1.0) -> KNet:
     """K-net whose axes i = 0 and j = 0 are straight lines: Cauchy data without turns.
 

@@ -13,12 +13,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.knet.net import KNet, modulo, oriented_angle, refuse_angles
 from ddgfab.quads import finite
 
 
+@checked
 def angle_coefficient(delta_1: ArrayLike, delta_2: ArrayLike) -> Floats:
     """(M, N) k = tan(delta_1 / 2) tan(delta_2 / 2) of quads, from (M,) and (N,) angles [rad].
 
@@ -35,6 +37,7 @@ def angle_coefficient(delta_1: ArrayLike, delta_2: ArrayLike) -> Floats:
     return np.multiply.outer(np.tan(a / 2), np.tan(b / 2))
 
 
+@checked
 def quad_angles(net: KNet) -> tuple[Floats, Floats, Floats, Floats]:
     """Angles of the quads of a 2-net at x, x_12, x_1 and x_2, (M, N) each, in (-pi, pi] [rad].
 
@@ -61,6 +64,7 @@ def quad_angles(net: KNet) -> tuple[Floats, Floats, Floats, Floats]:
     )
 
 
+@checked
 def vertex_angle_defect(net: KNet) -> Floats:
     """(M - 1, N - 1) angle sums at interior vertices minus 2 pi, modulo 2 pi: zero (3.7)."""
     phi, phi_12, psi_1, psi_2 = quad_angles(net)
@@ -68,6 +72,7 @@ def vertex_angle_defect(net: KNet) -> Floats:
     return modulo(total)
 
 
+@checked
 def chi_of_phi(phi: ArrayLike, k: ArrayLike) -> Floats:
     """chi with tan(chi / 2) = (1 + k) / (1 - k) tan(phi / 2), continuous for |k| < 1.
 
@@ -97,12 +102,14 @@ def chi_of_phi(phi: ArrayLike, k: ArrayLike) -> Floats:
     return np.asarray(chi + 2 * np.pi * turns * sign)
 
 
+@checked
 def angle_relation_defect(net: KNet) -> Floats:
     """(M, N) defect of tan(phi / 2) tan(psi / 2) = (1 - k) / (1 + k), as an angle chi (3.7)."""
     phi, _, psi, _ = quad_angles(net)
     return modulo(chi_of_phi(phi, angle_coefficient(*net.deltas)) - (np.pi - psi))
 
 
+@checked
 def product_defect(net: KNet) -> Floats:
     """(M - 1, N - 1) |Q Q_12 - F(Q_1) F(Q_2)| with Q = exp(i phi), F(z) = (z - k) / (1 - k z).
 
@@ -114,6 +121,7 @@ def product_defect(net: KNet) -> Floats:
     return np.asarray(np.abs(q[:-1, :-1] * q[1:, 1:] - f[1:, :-1] * f[:-1, 1:]))
 
 
+@checked
 def hirota_residual(h: ArrayLike, k: ArrayLike) -> Floats:
     """(M, N) sin((h_12 - h_1 - h_2 + h) / 4) - k sin((h_12 + h_1 + h_2 + h) / 4).
 
@@ -151,6 +159,7 @@ def _coefficients(k: ArrayLike, shape: tuple[int, ...]) -> Floats:
     return coefficient
 
 
+@checked
 def evolve_hirota(first: ArrayLike, second: ArrayLike, k: ArrayLike) -> Floats:
     """(M + 1, N + 1) potential from its values on both axes.
 
@@ -187,6 +196,7 @@ def evolve_hirota(first: ArrayLike, second: ArrayLike, k: ArrayLike) -> Floats:
     return h
 
 
+@checked
 def hirota_potential(net: KNet, start: tuple[float, float] = (0.0, 0.0)) -> Floats:
     """(M + 1, N + 1) potential h of the angles of a K-net: phi = (h_1 + h_2) / 2 in every quad.
 

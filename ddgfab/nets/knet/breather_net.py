@@ -10,6 +10,7 @@ import cmath
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.nets.knet.dini_net import of_normals, segment, transform_of_vacuum, vacuum
 from ddgfab.nets.knet.net import KNet
@@ -21,6 +22,7 @@ MOST_TAU = 10.0
 whose defect is 1e-10 of its edges there, 1e-6 at 20."""
 
 
+@checked
 def breather(
     alphas: ArrayLike, betas: ArrayLike, tau: float, *, t0: complex = 1.0, r: float = 1.0
 ) -> KNet:

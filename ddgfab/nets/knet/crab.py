@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.nets.knet.dini_net import of_normals
@@ -127,6 +128,7 @@ class CrabNet:
         return of_normals(self.points[k, at], self.normals[k, at], self.r, deltas)
 
 
+@checked
 def crab_net(n_fold: int, delta: float, theta0: float, rings: int, *, r: float = 1.0) -> CrabNet:
     """Rotational K-net from the normal angle of its edges and the normals of its first ring.
 
@@ -190,6 +192,7 @@ def _second(theta0: float, delta: float, gamma: float) -> float:
     return float(middle + np.arccos(np.cos(delta) / size))
 
 
+@checked
 def string_tensions(net: CrabNet) -> Floats:
     """(K - 1,) tensions of the edges between rings under which the net hangs; 1 in the first level.
 
@@ -214,6 +217,7 @@ def string_tensions(net: CrabNet) -> Floats:
     return np.asarray(rise[0] / rise)
 
 
+@checked
 def string_forces(net: CrabNet, tensions: ArrayLike | None = None) -> Floats:
     """(K, N, 3) sums of the forces that the edges exert on every point, weightless strings.
 

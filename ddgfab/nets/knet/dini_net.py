@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.knet.net import KNet, refuse_angles
@@ -19,6 +20,7 @@ from ddgfab.quads import finite, whole
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
+@checked
 def vacuum(alphas: ArrayLike, betas: ArrayLike, *, r: float = 1.0) -> KNet:
     """K-net on the z-axis: n = (cos theta, sin theta, 0), theta the sum of the normal angles.
 
@@ -42,6 +44,7 @@ def vacuum(alphas: ArrayLike, betas: ArrayLike, *, r: float = 1.0) -> KNet:
     return of_normals(r * np.stack([zero, zero, height], axis=-1), n, r, (a, b))
 
 
+@checked
 def dini(
     alphas: ArrayLike, betas: ArrayLike, sigma: float, *, t0: float = 1.0, r: float = 1.0
 ) -> KNet:
@@ -75,6 +78,7 @@ def dini(
     return of_normals(r * x, n, r, (a, b))
 
 
+@checked
 def pseudosphere(
     cells: tuple[int, int], alpha: float, *, offset: float = 0.0, r: float = 1.0
 ) -> KNet:

@@ -10,12 +10,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.nets.knet.dini_net import of_normals, segment, vacuum
 from ddgfab.nets.knet.net import KNet
 from ddgfab.surfaces.k_surfaces import double_transform
 
 
+@checked
 def kuen(
     alphas: ArrayLike, betas: ArrayLike, *, t0: float = 1.0, shift: float = 0.0, r: float = 1.0
 ) -> KNet:

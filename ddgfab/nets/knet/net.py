@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.asymptotic import integrate, lelieuvre_edges
@@ -191,6 +192,7 @@ def _moutard_gap(m: Floats, i: int, j: int) -> Floats:
     return np.asarray(np.sqrt(np.einsum("...i,...i->...", across, across)) / (size * total))
 
 
+@checked
 def oriented_angle(normal: Floats, a: Floats, b: Floats) -> Floats:
     """(...) angle from a to b about a normal [rad], in (-pi, pi]; vectors (..., 3) (3.5, 11b)."""
     sine = np.einsum("...i,...i->...", normal, np.cross(a, b))
@@ -202,6 +204,7 @@ def modulo(angles: ArrayLike) -> Floats:
     return np.asarray(np.remainder(np.asarray(angles) + np.pi, 2 * np.pi) - np.pi)
 
 
+@checked
 def knet(
     deltas: Sequence[ArrayLike],
     turns: Sequence[ArrayLike],

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.quads import finite
@@ -87,6 +88,7 @@ class SkewParallelogram:
         return float(self.sides[0] / np.abs(np.sin(self.twists()[0])))
 
 
+@checked
 def skew_parallelogram(
     x: ArrayLike, x1: ArrayLike, x2: ArrayLike, x12: ArrayLike
 ) -> SkewParallelogram:

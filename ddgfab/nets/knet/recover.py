@@ -7,19 +7,17 @@ those for which every edge is a positive multiple of m_k x m.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Mesh
+from ddgfab.net import Net
 from ddgfab.nets.asymptotic import lelieuvre_edges, star_flatness, tangent_normals
 from ddgfab.nets.knet.net import CauchyData, KNet, oriented_angle
 from ddgfab.quads import layer, net_points
-
-if TYPE_CHECKING:
-    from ddgfab.net import Net
 
 KNET_DEFECT = 1e-2
 """Points count as a K-net when no vertex misses a condition by more than this, relative.
@@ -75,6 +73,7 @@ class KNetRecovery:
         )
 
 
+@checked
 def recover_knet(source: Mesh | Net | ArrayLike, *, limit: float = KNET_DEFECT) -> KNetRecovery:
     """Data of a K-net that is given by its points, the exact K-net of these data, and the defect.
 
@@ -117,6 +116,7 @@ def recover_knet(source: Mesh | Net | ArrayLike, *, limit: float = KNET_DEFECT) 
     return KNetRecovery(made, data, x, swapped, defects, distances)
 
 
+@checked
 def knet_from_mesh(mesh: Mesh, *, limit: float = KNET_DEFECT) -> KNet:
     """The exact K-net next to a mesh; `recover_knet` tells also how near it is."""
     return recover_knet(mesh, limit=limit).knet

@@ -13,12 +13,14 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.quads import Place, columns, cross, dot, finite, norm
 from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
 
 
+@checked
 def spherical_fourth(m: ArrayLike, m_i: ArrayLike, m_j: ArrayLike) -> Floats:
     """(..., 3) unit vector m_ij that closes a quad of a spherical T-net.
 
@@ -84,6 +86,7 @@ def reflect_rule(m: Floats, m_i: Floats, m_j: Floats, place: Place) -> Floats:
     return np.asarray(m - (2.0 * dot(m, d) / square) * d)
 
 
+@checked
 def evolve_spherical(axes: Sequence[ArrayLike], *, name: str = "cell") -> Floats:
     """(n1, ..., nd, 3) spherical T-net from unit vectors along its d > 1 axes.
 

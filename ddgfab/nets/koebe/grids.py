@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats
@@ -12,6 +13,7 @@ from ddgfab.nets.sisothermic import SIsothermic
 from ddgfab.quads import finite, whole
 
 
+@checked
 def koebe_vertex(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
     """Koebe vertices (..., 3) of circles in the plane, and their distances (...) to the sphere.
 
@@ -54,6 +56,7 @@ def koebe_vertex(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
     return points, 2.0 * r / below
 
 
+@checked
 def enneper_koebe(cells: tuple[int, int], half_step: float) -> SIsothermic:
     """Koebe net of a square grid of circles of radius h at steps 2 h, centred at the south pole.
 
@@ -84,6 +87,7 @@ def enneper_koebe(cells: tuple[int, int], half_step: float) -> SIsothermic:
     return SIsothermic(net, radii.T.ravel())
 
 
+@checked
 def catenoid_koebe(around: int, rings: tuple[int, int], columns: int | None = None) -> SIsothermic:
     """Rotational Koebe net about the z axis, whose dual is a catenoid.
 

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ddgfab.arguments import checked
 from ddgfab.circles import Circles, Spheres, circles_on_sphere
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints, Mesh
@@ -160,6 +161,7 @@ class KoebePolyhedron:
         )
 
 
+@checked
 def koebe(
     faces: Mesh | Sequence[Sequence[int]] | Sequence[Ints], *, infinity: int | None = None
 ) -> KoebePolyhedron:

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.circles import Circles, Spheres
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.measures import mixed_areas, oriented_areas
@@ -131,6 +132,7 @@ class MinimalNet:
         return f"MinimalNet({self.mesh!r}, angle {np.degrees(self.angle):g} deg)"
 
 
+@checked
 def minimal_surface(
     gauss: SIsothermic, *, angle: float = 0.0, labels: Ints | None = None, scale: float = 1.0
 ) -> MinimalNet:
@@ -179,6 +181,7 @@ def _integrated(gauss: SIsothermic, labels: Ints, angle: float, scale: float) ->
     return MinimalNet(gauss.mesh.with_vertices(points), gauss, labels, angle, scale, closing)
 
 
+@checked
 def enneper(cells: tuple[int, int], half_step: float) -> MinimalNet:
     """Enneper's surface over a square grid, dual of `enneper_koebe`, scaled by 2 h^2.
 
@@ -190,6 +193,7 @@ def enneper(cells: tuple[int, int], half_step: float) -> MinimalNet:
     return minimal_surface(enneper_koebe(cells, half_step), scale=2.0 * half_step**2)
 
 
+@checked
 def catenoid(around: int, rings: tuple[int, int], columns: int | None = None) -> MinimalNet:
     """The discrete catenoid (cosh(I l) e^(i J a), I sinh l), dual of `catenoid_koebe`.
 
@@ -200,6 +204,7 @@ def catenoid(around: int, rings: tuple[int, int], columns: int | None = None) ->
     return minimal_surface(gauss, scale=float(np.sin(alpha) ** 2 / np.cos(alpha)))
 
 
+@checked
 def helicoid(around: int, rings: tuple[int, int], columns: int) -> MinimalNet:
     """The discrete helicoid: the conjugate of a catenoid cut open, columns of `around` in a turn.
 

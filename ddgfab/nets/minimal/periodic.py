@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.nets.koebe.polyhedron import KoebePolyhedron, koebe
@@ -89,6 +90,7 @@ def scherk_koebe(cells: int) -> KoebePolyhedron:
     return koebe(rough).aligned(rough.vertices)
 
 
+@checked
 def scherk(cells: int, storeys: int = 1) -> MinimalNet:
     """Scherk's tower: one grid of `scherk_koebe` without its corner cells, and mirror copies.
 
@@ -119,6 +121,7 @@ def schwarz_koebe(cells: int) -> KoebePolyhedron:
     return koebe(rough).aligned(rough.vertices)
 
 
+@checked
 def schwarz_p(cells: int) -> MinimalNet:
     """One of the 12 pieces of a cell of Schwarz' P surface: the dual of one side of the cube.
 
@@ -136,6 +139,7 @@ def schwarz_p(cells: int) -> MinimalNet:
     return minimal_surface(solid.net(np.arange(solid.mesh.n_faces) >= 5 * cells**2))
 
 
+@checked
 def schwarz_d(cells: int) -> MinimalNet:
     """A piece of Schwarz' D surface: the conjugate of `schwarz_p`."""
     return schwarz_p(cells).associated(0.5 * np.pi)
@@ -155,6 +159,7 @@ class PeriodicCell:
     periods: Floats
 
 
+@checked
 def schwarz_p_cell(cells: int) -> PeriodicCell:
     """A translational cell of Schwarz' P surface: 12 pieces, as three tubes that meet.
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.terms.base import LocalTerm
 from ddgfab.optimize.terms.planarity import polygon_corners
@@ -63,6 +64,7 @@ def _unknowns(triples: Ints) -> Ints:
     return index
 
 
+@checked
 def circularity_terms(
     mesh: Mesh,
     faces: Sequence[int] | Ints | None = None,
@@ -103,6 +105,7 @@ def circularity_terms(
     )
 
 
+@checked
 def conicality_terms(
     mesh: Mesh,
     vertices: Sequence[int] | Ints | None = None,

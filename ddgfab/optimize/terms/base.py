@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints
 
 
@@ -109,6 +110,7 @@ class VectorTerm:
         return widened(self.matrix, len(x))
 
 
+@checked
 def widened(matrix: csr_array, columns: int) -> csr_array:
     """The matrix with columns of zeros added at its right."""
     return csr_array((matrix.data, matrix.indices, matrix.indptr), shape=(matrix.shape[0], columns))

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.terms.base import LocalTerm
 from ddgfab.optimize.terms.planarity import flatness, flatness_slope, possible_heights, vector_areas
@@ -51,6 +52,7 @@ class Cones(LocalTerm):
         return areas / lengths[..., None], lengths, points
 
 
+@checked
 def cone_terms(
     mesh: Mesh,
     vertices: Sequence[int] | Ints | None = None,

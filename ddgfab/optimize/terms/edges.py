@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.optimize.problem import mean_edge
@@ -55,6 +56,7 @@ class Lengths(LocalTerm):
         return np.concatenate([-slope, slope], axis=1)
 
 
+@checked
 def edge_lengths(
     mesh: Mesh,
     *,
@@ -104,6 +106,7 @@ def edge_lengths(
     )
 
 
+@checked
 def panel_size(
     mesh: Mesh,
     limit: float,
@@ -161,6 +164,7 @@ class SideDifferences(LocalTerm):
         return np.concatenate([-first, first, second, -second], axis=1)
 
 
+@checked
 def opposite_sides(mesh: Mesh, *, weight: float = 1.0, hard: bool = False) -> SideDifferences:
     """Chebyshev nets: opposite sides of every quad are equal; two rows a quad, in mean edges.
 

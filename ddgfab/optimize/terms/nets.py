@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
@@ -37,6 +38,7 @@ class StarVolumes(LocalTerm):
         return local[:, 3:6] - a, local[:, 6:9] - a, local[:, 9:] - a
 
 
+@checked
 def plane_stars(
     mesh: Mesh,
     vertices: Sequence[int] | Ints | None = None,
@@ -105,6 +107,7 @@ class Crossings(LocalTerm):
         return np.einsum("mx,mx->m", first, second), (first, second), (one, two)
 
 
+@checked
 def orthogonality(mesh: Mesh, *, weight: float = 1.0, hard: bool = False) -> Crossings:
     """Nets whose two directions cross at right angles: medians of every quad are orthogonal.
 
@@ -160,6 +163,7 @@ class CornerLimits(LocalTerm):
         return np.einsum("mx,mx->m", first, second), first, second, one, two
 
 
+@checked
 def corner_angle_limits(
     mesh: Mesh, low: float, high: float, *, weight: float = 1.0, hard: bool = False
 ) -> CornerLimits:

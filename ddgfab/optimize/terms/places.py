@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.optimize.problem import mean_edge
 from ddgfab.optimize.terms.base import LocalTerm
@@ -44,6 +45,7 @@ class OnCurve(LocalTerm):
         return np.repeat(foot, 2, axis=0), across.reshape(-1, 3)
 
 
+@checked
 def on_curve(
     mesh: Mesh,
     vertices: Sequence[int] | Ints,
@@ -66,6 +68,7 @@ def on_curve(
     )
 
 
+@checked
 def boundary_glide(mesh: Mesh, vertices: Sequence[int] | Ints) -> tuple[tuple[OnCurve, ...], Ints]:
     """Boundary vertices that glide along the boundary as it is, and its corners, to be fixed.
 
@@ -107,6 +110,7 @@ class OnSurface(LocalTerm):
         return foot, np.where((far > self.near)[:, None], unit(away) * side[:, None], normal)
 
 
+@checked
 def on_surface(
     mesh: Mesh,
     reference: Mesh,

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.terms.base import LocalTerm
 
@@ -129,6 +130,7 @@ class Planarity(LocalTerm):
         return slope.reshape(len(local), -1)
 
 
+@checked
 def planarity_terms(
     mesh: Mesh,
     faces: Sequence[int] | Ints | None = None,

@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, diags_array, vstack
 
+from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
 from ddgfab.optimize.terms.base import VectorTerm
 
 
+@checked
 def closeness(
     mesh: Mesh, target: Floats | None = None, weights: Floats | float = 1.0, *, weight: float = 1.0
 ) -> VectorTerm:
@@ -94,6 +96,7 @@ def laplacian(mesh: Mesh) -> csr_array:
     return csr_array(diags_array(inner) - diags_array(inner / np.maximum(mesh.valences, 1)) @ graph)
 
 
+@checked
 def fairness(
     mesh: Mesh, *, weight: float = 1.0, smoothing: float = 1.0, features: Ints | None = None
 ) -> VectorTerm:
@@ -119,6 +122,7 @@ def fairness(
     return _fair(mesh, lines, "fairness", weight, smoothing)
 
 
+@checked
 def laplacian_fairness(mesh: Mesh, *, weight: float = 1.0, smoothing: float = 1.0) -> VectorTerm:
     """Inner vertices at the mean of their neighbours, in mean edges; `smoothing` as in `fairness`.
 
@@ -134,6 +138,7 @@ def edge_differences(mesh: Mesh) -> csr_array:
     return csr_array((data, (rows, mesh.edges.ravel())), shape=(mesh.n_edges, mesh.n_vertices))
 
 
+@checked
 def strain(mesh: Mesh, *, weight: float = 1.0) -> VectorTerm:
     """Edge vectors as they are: keeps lengths and angles, allows shifts. In mean edges."""
     return _fair(mesh, edge_differences(mesh), "strain", weight, 0.0)

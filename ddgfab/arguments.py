@@ -1,0 +1,246 @@
+"""Arguments of public functions against their annotations, with errors that name the argument.
+
+Without this a mesh where points are expected, or one number where a list is, ends as an error of
+numpy or of Python deep inside, which does not say which argument of which function it was.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import numbers
+import operator
+import types
+import typing
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ddgfab.errors import ArgumentError
+
+F = TypeVar("F", bound=Callable[..., Any])
+Check = Callable[[Any], bool]
+
+_ARRAY_PARTS: Final = frozenset(typing.get_args(ArrayLike))
+_NUMERIC: Final = "biufc"
+"""Kinds of numpy's types that are numbers or flags."""
+
+_INSTEAD: Final = {
+    ("Mesh", "array"): "its vertices are mesh.vertices, points of a net Net.from_mesh(mesh).points",
+    ("Mesh", "KNet"): "recover_knet(Net.from_mesh(mesh)) finds one",
+    ("Mesh", "SIsothermic"): "SIsothermic.of(mesh) makes one",
+    ("Net", "array"): "its points are net.points",
+    ("Net", "Mesh"): "net.to_mesh() is one",
+    ("Net", "KNet"): "recover_knet(net) finds one",
+    ("KNet", "array"): "its points are net.points",
+    ("KNet", "Mesh"): "net.to_net().to_mesh() is one",
+    ("SIsothermic", "array"): "its vertices are net.mesh.vertices",
+    ("SIsothermic", "Mesh"): "its mesh is net.mesh",
+    (
+        "ndarray",
+        "Mesh",
+    ): "grid_mesh(points) makes one of a net, Mesh.build(vertices, faces) of faces",
+    ("ndarray", "KNet"): "recover_knet(points) finds one",
+    ("ReadResult", "Mesh"): "its mesh is result.mesh",
+}
+
+
+def checked(function: F) -> F:
+    """The function with its arguments tested against their annotations before it runs.
+
+    Raises (the function that comes back)
+    ------
+    ArgumentError
+        An argument of another type; names the function, the argument, what came and what is needed.
+    """
+    signature = inspect.signature(function)
+    names = tuple(signature.parameters)
+
+    @functools.cache
+    def tests() -> dict[str, tuple[Check, Any]]:
+        hints = typing.get_type_hints(function)
+        return {name: (_check(hints[name]), hints[name]) for name in names if name in hints}
+
+    @functools.wraps(function)
+    def wrapper(*args: Any, **kwargs: Any) -> Any:
+        found = tests()
+        for name, value in (*zip(names, args, strict=False), *kwargs.items()):
+            if name in found and not found[name][0](value):
+                raise ArgumentError(_message(function, name, value, found[name][1]))
+        return function(*args, **kwargs)
+
+    return typing.cast(F, wrapper)
+
+
+# --- tests ---------------------------------------------------------------------------------------
+def is_numeric(value: Any) -> bool:
+    """Whether numpy makes an array of numbers or flags of it: a number, an array, nested lists."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.kind in _NUMERIC
+    if isinstance(value, (str, bytes, Mapping)) or value is None:
+        return False
+    if not (isinstance(value, (numbers.Number, Sequence)) or hasattr(value, "__array__")):
+        return False
+    try:
+        return np.asarray(value).dtype.kind in _NUMERIC
+    except (TypeError, ValueError):  # rows of different lengths, objects without numbers
+        return False
+
+
+def _check(hint: Any) -> Check:
+    """The test that belongs to an annotation; what is not known passes."""
+    origin, parts = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (typing.Union, types.UnionType):
+        tests: list[Check] = [is_numeric] if set(parts) >= _ARRAY_PARTS else []
+        tests += [_check(part) for part in parts if not (tests and part in _ARRAY_PARTS)]
+        return lambda value: any(test(value) for test in tests)
+    if origin is typing.Annotated:
+        return _check(parts[0])
+    if origin is np.ndarray:
+        return is_numeric
+    if origin is typing.Literal:
+        return lambda value: isinstance(value, str)
+    if origin in (Sequence, tuple) or hint is tuple:
+        return _listed(origin, parts)
+    if origin is Mapping:
+        return lambda value: isinstance(value, Mapping)
+    if origin is Callable or hint is Callable:
+        return callable
+    if hint in _SIMPLE:
+        return _SIMPLE[hint]
+    if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
+        return lambda value: isinstance(value, hint)
+    return callable if getattr(hint, "_is_protocol", False) and _has_call(hint) else _anything
+
+
+def _listed(origin: Any, parts: tuple[Any, ...]) -> Check:
+    """A list, tuple or array of things that pass; of the length that a tuple's annotation says."""
+    fixed = [_check(part) for part in parts] if origin is tuple and Ellipsis not in parts else []
+    item = _check(parts[0]) if parts else _anything
+    if parts and typing.get_origin(parts[0]) is np.ndarray:
+        item = _rows
+
+    def test(value: Any) -> bool:
+        if fixed:
+            if not isinstance(value, (list, tuple, np.ndarray)) or _scalar(value):
+                return False
+            return len(value) == len(fixed) and all(map(_passes, fixed, value))
+        if isinstance(value, np.ndarray):
+            return value.ndim > 0 and value.dtype.kind in _NUMERIC and all(map(item, value[:1]))
+        return isinstance(value, (list, tuple, range)) and all(item(part) for part in value)
+
+    return test
+
+
+def _rows(value: Any) -> bool:
+    return is_numeric(value) and np.ndim(value) > 0
+
+
+def _passes(test: Check, value: Any) -> bool:
+    return test(value)
+
+
+def _scalar(value: Any) -> bool:
+    return isinstance(value, np.ndarray) and value.ndim == 0
+
+
+def _real(value: Any) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.ndim == 0 and value.dtype.kind in "biuf"
+    return isinstance(value, numbers.Real)
+
+
+def _whole(value: Any) -> bool:
+    # A float passes: functions that count refuse those that are not whole, with their value.
+    try:
+        operator.index(value)
+    except TypeError:
+        return _real(value)
+    return True
+
+
+def _anything(value: Any) -> bool:
+    return True
+
+
+def _has_call(hint: Any) -> bool:
+    return "__call__" in vars(hint)
+
+
+_SIMPLE: Final[dict[Any, Check]] = {
+    Any: _anything,
+    object: _anything,
+    float: _real,
+    int: _whole,
+    complex: lambda value: _real(value) or isinstance(value, numbers.Complex),
+    bool: lambda value: isinstance(value, (bool, np.bool_)),
+    str: lambda value: isinstance(value, str),
+    Path: lambda value: isinstance(value, Path),
+    type(None): lambda value: value is None,
+}
+
+
+# --- messages ------------------------------------------------------------------------------------
+def _message(function: Callable[..., Any], name: str, value: Any, hint: Any) -> str:
+    wanted = _wanted(hint)
+    kind = "array" if _array_like(hint) else wanted.rpartition(" ")[2]
+    advice = _INSTEAD.get((type(value).__name__, kind), "")
+    return (
+        f"{function.__name__}: {name} is {_given(value)}; {wanted} is needed"
+        f"{f' ({advice})' if advice else ''}"
+    )
+
+
+def _given(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape} and type {value.dtype}"
+    text = repr(value)
+    if value is None or isinstance(value, (str, numbers.Number)):
+        return text if len(text) <= 40 else f"{text[:37]}..."
+    return f"of type {type(value).__name__}"
+
+
+def _array_like(hint: Any) -> bool:
+    parts = typing.get_args(hint)
+    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
+    return typing.get_origin(hint) is np.ndarray or (
+        union and (set(parts) >= _ARRAY_PARTS or any(_array_like(part) for part in parts))
+    )
+
+
+def _wanted(hint: Any) -> str:
+    """An annotation in words."""
+    origin, parts = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (typing.Union, types.UnionType):
+        names = ["an array of numbers"] if set(parts) >= _ARRAY_PARTS else []
+        names += [_wanted(part) for part in parts if not (names and part in _ARRAY_PARTS)]
+        return " or ".join(dict.fromkeys(names))
+    if origin is typing.Annotated:
+        return _wanted(parts[0])
+    if origin is np.ndarray:
+        return "an array of numbers"
+    if origin is typing.Literal:
+        return "one of " + ", ".join(f'"{part}"' for part in parts)
+    if origin is tuple and parts and Ellipsis not in parts:
+        return "(" + ", ".join(map(_wanted, parts)) + ")"
+    if origin in (Sequence, tuple):
+        return f"a list, each: {_wanted(parts[0])}" if parts else "a list"
+    if origin is Mapping:
+        return "a dictionary"
+    if origin is Callable:
+        return "a function"
+    return _WORDS.get(hint, f"a {getattr(hint, '__name__', hint)}")
+
+
+_WORDS: Final[dict[Any, str]] = {
+    float: "a number",
+    int: "an integer",
+    complex: "a number",
+    bool: "True or False",
+    str: "a string",
+    Path: "a path",
+    type(None): "None",
+}

@@ -1,0 +1,183 @@
+"""Every public function refuses arguments of the neighboring wrong type by their name.
+
+The right and wrong values come from a table of this test; the functions from the packages.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+import typing
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+import ddgfab
+from ddgfab import io, nets, transforms
+from ddgfab.arguments import checked
+from ddgfab.errors import ArgumentError, DdgError
+from ddgfab.grid import grid_mesh
+from ddgfab.linkages import flex
+from ddgfab.mesh import Mesh
+from ddgfab.net import Net
+from ddgfab.nets.knet import KNet, knet
+
+POINTS = np.stack([*np.meshgrid(np.arange(4.0), np.arange(3.0), indexing="ij"), np.ones((4, 3))], 2)
+MESH = grid_mesh(POINTS)
+KNET = knet([np.full(3, 0.3), np.full(2, 0.4)], [np.full(2, 0.1), np.full(1, -0.2)], 1.2)
+WORDS = np.array(["a", "b"])
+
+WRONG: dict[Any, list[Any]] = {
+    Mesh: [POINTS, KNET, Net.build(POINTS), "roof.obj", 3.0, None, [MESH]],
+    KNet: [POINTS, MESH, "dini", 1.0, None],
+    ArrayLike: [MESH, KNET, "points", WORDS, None, object(), {"a": 1}, [[1.0], [1.0, 2.0]]],
+    float: [MESH, "1.0", np.ones(2), None, 1j, [1.0]],
+    int: [MESH, "3", np.ones(2), None, 1j],
+    complex: [MESH, "3", np.ones(2), None],
+    bool: [MESH, "yes", None, 0.5],
+    str: [MESH, 3, None, POINTS],
+    Path: [MESH, 3, None, POINTS],
+}
+
+
+def public() -> Iterator[Callable[..., Any]]:
+    """Every function in an `__all__` of ddgfab, and those of offsets, which has none."""
+    found: dict[Callable[..., Any], None] = {}
+    for info in (*pkgutil.walk_packages(ddgfab.__path__, "ddgfab."), ddgfab):
+        module = importlib.import_module(getattr(info, "name", None) or "ddgfab")
+        names = getattr(module, "__all__", ())
+        if module.__name__ == "ddgfab.offsets":
+            names = [
+                n
+                for n, v in vars(module).items()
+                if getattr(v, "__module__", "") == module.__name__
+            ]
+        for name in names:
+            value = getattr(module, name)
+            if inspect.isfunction(value) and not name.startswith("_"):
+                found[value] = None
+    return iter(found)
+
+
+FUNCTIONS = sorted(
+    {f for f in public() if f.__module__.startswith("ddgfab") and f is not checked},
+    key=lambda f: (f.__module__, f.__name__),
+)
+
+
+def wrong_values(hint: Any) -> list[Any]:
+    """Values that an annotation does not allow; `None` only where it is not allowed."""
+    origin, parts = typing.get_origin(hint), typing.get_args(hint)
+    if hint in WRONG:
+        return WRONG[hint]
+    if hint == ArrayLike or origin is np.ndarray:
+        return WRONG[ArrayLike]
+    if origin is typing.Annotated:
+        return wrong_values(parts[0])
+    if origin is typing.Literal:
+        return [3, MESH, None]
+    if origin in (Sequence, tuple):
+        return [MESH, "ab", 0.1, None, [MESH], object()]
+    if origin is Mapping:
+        return [MESH, [1.0], "a"]
+    if getattr(hint, "__name__", "") == "Callable" or "Callable" in str(origin):
+        return [MESH, 3.0, "f"]
+    if isinstance(hint, type):
+        return [3.0, "text", MESH if hint is not Mesh else KNET]
+    if parts:  # a union: what none of its parts allows
+        allowed = set(parts)
+        numeric = any(
+            "_SupportsArray" in str(p) or typing.get_origin(p) is np.ndarray for p in parts
+        )
+        candidates = [object(), MESH, KNET, *([] if numeric else [np.ones(7)])]
+        if type(None) not in allowed:
+            candidates.append(None)
+        if Mesh in allowed:
+            candidates.remove(MESH)
+        if Net in allowed or KNet in allowed:
+            candidates.remove(KNET)
+        if numeric:
+            candidates.append(WORDS)
+        return candidates
+    return []
+
+
+def parameters() -> list[Any]:
+    found = []
+    for function in FUNCTIONS:
+        hints = typing.get_type_hints(function)
+        for name in inspect.signature(function).parameters:
+            if hints[name] is not Any:
+                case = f"{function.__name__}-{name}"
+                found.append(pytest.param(function, name, hints[name], id=case))
+    return found
+
+
+def test_all_functions_are_looked_at() -> None:
+    assert len(FUNCTIONS) > 250
+    assert {"christoffel_dual", "inspect", "vertex_offset", "families"} <= {
+        f.__name__ for f in FUNCTIONS
+    }
+
+
+@pytest.mark.parametrize(("function", "name", "hint"), parameters())
+def test_wrong_types_are_refused_by_name(
+    function: Callable[..., Any], name: str, hint: Any, tmp_path: Path
+) -> None:
+    """Only this argument is given: it is looked at before Python misses the others."""
+    values = wrong_values(hint)
+    assert values, hint
+    for value in values:
+        with pytest.raises((TypeError, ValueError)) as error:
+            function(**{name: value})
+        assert isinstance(error.value, DdgError), (value, error.value)
+        text = str(error.value)
+        # Generators of the forms have a check of their own, with limits.
+        assert text.startswith((f"{function.__name__}: {name} is ", f"{name} = "))
+        assert len(text) < 400
+        assert "0x" not in text
+        assert "_SupportsArray" not in text
+
+
+def test_messages_name_what_helps(tmp_path: Path) -> None:
+    cases: list[tuple[Callable[[], Any], str]] = [
+        (lambda: flex(KNET, 0.0, 0.1), "flex: dturns is 0.0; a list"),  # type: ignore[arg-type]
+        (
+            lambda: nets.conical_to_circular(MESH),  # type: ignore[arg-type]
+            r"points is of type Mesh; an array of numbers is needed \(its vertices are",
+        ),
+        (
+            lambda: io.write_obj(tmp_path / "k.obj", KNET),  # type: ignore[arg-type]
+            r"mesh is of type KNet; a Mesh is needed \(net\.to_net\(\)\.to_mesh\(\)",
+        ),
+        (lambda: ddgfab.inspect(POINTS), r"shape \(4, 3, 3\) .*grid_mesh\(points\)"),  # type: ignore[arg-type]
+        (lambda: transforms.darboux(POINTS, "2", [0, 0, 1.0]), "mu is '2'; a number is needed"),  # type: ignore[arg-type]
+    ]
+    for call, message in cases:
+        with pytest.raises(ArgumentError, match=message):
+            call()
+    assert not list(tmp_path.iterdir())
+
+
+def test_right_types_of_every_make_pass() -> None:
+    """Lists, tuples, numpy's numbers, nets as arrays."""
+
+    @checked
+    def take(x: ArrayLike, s: float, n: int, w: Sequence[float], t: tuple[int, float]) -> str:
+        return "taken"
+
+    for x in (POINTS, POINTS.tolist(), Net.build(POINTS), 3, np.float32(2), [POINTS, POINTS]):
+        for s in (1, 1.5, np.float64(2), np.array(3.0), np.int32(4)):
+            for n in (1, np.int64(2), np.array(3)):
+                for w in ([1, 2.0], (), np.ones(3), range(2)):
+                    assert take(x, s, n, w, (1, 2.0)) == "taken"  # type: ignore[arg-type]
+                    assert take(x, s, n, w, t=[1, 2]) == "taken"  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="missing 4 required"):
+        take(POINTS)  # type: ignore[call-arg]
+    with pytest.raises(ArgumentError, match=r"take: t is of type tuple; \(an integer, a number\)"):
+        take(1, 1, 1, [], (1, 2.0, 3))  # type: ignore[arg-type]
