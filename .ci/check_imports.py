@@ -28,6 +28,7 @@ INSIDE_FUNCTIONS_ONLY = {
 # A room (module or folder) of ddgfab may import itself and the rooms before it.
 GEOMETRY_ROOMS = [
     "errors",
+    "arguments",
     "suggest",
     "tolerances",
     "mesh",
