@@ -42,7 +42,7 @@ def forecast_of(problem: Problem, unit: float, normals: Floats) -> Forecast:
     model = merit.model(problem.start)
     stiff = damped(model.hessian + _STIFF * (model.lines.T @ model.lines), _DAMPING)
     right = -_STIFF * (model.lines.T @ model.values)
-    step = SymmetricSolver().factor(stiff)(right)
+    step = SymmetricSolver(nodes=merit.nodes).factor(stiff)(right)
     move = problem.vertices(merit.moved(np.zeros_like(problem.start), step))
     used: Ints = np.flatnonzero(mesh.valences > 0)
     away = np.abs(np.einsum("vx,vx->v", move, normals))[used]

@@ -1,5 +1,8 @@
 """Sparse symmetric systems: one interface, scipy always, a faster package when it is installed.
 
+Positive definite systems whose unknowns have places are factored by dense fronts (`multifrontal`),
+the others by SuperLU.
+
 Matrices are positive definite or quasi-definite (positive block, negative block on the diagonal),
 so that they factor without pivoting in any order. The order that keeps factors sparse is found
 once and used again as long as the pattern of entries stays.
@@ -23,6 +26,7 @@ from scipy.sparse.linalg import MatrixRankWarning, splu
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints
+from ddgfab.optimize.multifrontal import Multifrontal
 
 Solve = Callable[[Floats], Floats]
 
@@ -40,8 +44,15 @@ _ANALYSE_AND_FACTOR, _FACTOR, _SOLVE = 12, 22, 33
 class SymmetricSolver:
     """Factors symmetric matrices that share a pattern; the ordering is kept between calls."""
 
-    def __init__(self, backend: str | None = None) -> None:
+    def __init__(
+        self, backend: str | None = None, nodes: tuple[Ints, Floats] | None = None
+    ) -> None:
         """Choose a package of `available`; by default scipy, and the first for large systems.
+
+        Parameters
+        ----------
+        nodes : for positive definite systems: (n,) the node of each unknown, (n, 3) its place
+            (see `Multifrontal`)
 
         Raises
         ------
@@ -52,6 +63,7 @@ class SymmetricSolver:
         if backend is not None and backend not in offered:
             raise InputError(f"solver {backend!r} is not here; available: {', '.join(offered)}")
         self._backend = backend
+        self._fronts = None if nodes is None else Multifrontal(*nodes)
         self._pattern: tuple[Any, Any] | None = None
         self._order: Ints | None = None
         self._pardiso: Any = None
@@ -72,14 +84,16 @@ class SymmetricSolver:
         DegenerateError
             The matrix is singular.
         """
+        large = self.available()[0] if matrix.shape[0] >= _LARGE else _SCIPY
+        chosen = self._backend or large
+        if chosen == _SCIPY and self._fronts is not None and matrix.shape[0]:
+            return self._fronts.factor(csr_array(matrix))
         system = csc_array(matrix)
         system.sort_indices()
         known = self._same(system)
         if not known:
             self._pattern = (system.indptr.copy(), system.indices.copy())
             self._order = None
-        large = self.available()[0] if system.shape[0] >= _LARGE else _SCIPY
-        chosen = self._backend or large
         factor = self._by_pardiso if chosen == _PARDISO else self._by_scipy
         try:
             with warnings.catch_warnings():

@@ -110,6 +110,19 @@ class Merit:
             whole = csr_array(whole[:, self._free])
         return Model(np.asarray(gradient), hessian, whole, self.equations(x))
 
+    @property
+    def nodes(self) -> tuple[Ints, Floats] | None:
+        """Nodes and places of the free unknowns, for `SymmetricSolver`; None if some have none."""
+        problem = self.problem
+        layout, points = problem.layout, problem.vertices(problem.start)
+        if any(count != len(points) for count in layout.counts):
+            return None
+        owner = np.concatenate([np.repeat(np.arange(len(points)), w) for w in layout.widths])
+        block = np.repeat(np.arange(len(layout.widths)), [len(points) * w for w in layout.widths])
+        owner, block = owner[self._free], block[self._free]
+        starts = (np.diff(owner, prepend=-1) != 0) | (np.diff(block, prepend=-1) != 0)
+        return np.cumsum(starts) - 1, points[owner]
+
     def moved(self, x: Floats, step: Floats) -> Floats:
         """The unknowns after a step of the free ones."""
         after = x.copy()

