@@ -1,0 +1,146 @@
+"""Umbilics of a surface with their index, by the winding of the deviator of the shape operator.
+
+Source: mathematics.md 9.2; Berry, Hannay 1977, Umbilic points on Gaussian random surfaces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ddgfab.errors import DegenerateError
+from ddgfab.mesh import Floats
+from ddgfab.surfaces.principal import principal
+from ddgfab.surfaces.spline import SplineSurface
+from ddgfab.trace.samples import SIDE, Samples
+
+_JOIN: Final = 1.6
+"""Zeros nearer than this [cells] are one: a rotational apex splits into two of index 1/2."""
+_ROUND: Final = 1e-3
+"""Anisotropy below which a sample counts as umbilic."""
+_ROUND_SHARE: Final = 0.2
+"""With a greater share of such samples every orthogonal net is principal."""
+_MANY: Final = 8
+"""More zeros than this lie on a line of umbilics."""
+_STEPS: Final = 30
+
+
+@dataclass(frozen=True)
+class Umbilic:
+    """A point where both principal curvatures are equal.
+
+    Attributes
+    ----------
+    uv, x : place; index : half a whole number, +1/2 (lemon, monstar), -1/2 (star), ...
+    """
+
+    uv: tuple[float, float]
+    x: tuple[float, float, float]
+    index: float
+
+    @property
+    def corners(self) -> float:
+        """Corners 4 (1 - index) of the cell round it."""
+        return 4 * (1 - self.index)
+
+
+def check_anisotropy(samples: Samples) -> None:
+    """Raise where principal directions are not determined on much of the surface.
+
+    Raises
+    ------
+    DegenerateError
+        A sphere, a plane, or much of one.
+    """
+    part = float((samples.principal.anisotropy[samples.inside] < _ROUND).mean())
+    if part > _ROUND_SHARE:
+        raise DegenerateError(
+            f"{samples.surface.name}: {100 * part:.0f} % of it is spherical or plane: every "
+            "orthogonal net is principal there\ngive directions: --along X,Y,Z (plane sections)"
+        )
+
+
+def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
+    """The umbilics inside the trim, in order of u.
+
+    Raises
+    ------
+    DegenerateError
+        A line of umbilics.
+    """
+    deviator = samples.principal.deviator.reshape(SIDE, SIDE, 2)
+    angle = np.arctan2(deviator[..., 1], deviator[..., 0])
+    ring = np.stack([angle[:-1, :-1], angle[1:, :-1], angle[1:, 1:], angle[:-1, 1:]])
+    turn = np.roll(ring, -1, axis=0) - ring
+    turn -= 2 * np.pi * np.round(turn / (2 * np.pi))
+    winding = np.round(turn.sum(axis=0) / (2 * np.pi)).astype(int)
+    cells = np.argwhere(winding != 0)
+    if not len(cells):
+        return ()
+    zeros = _newton(samples.surface, samples.uv[cells[:, 0], cells[:, 1]] + samples.cell / 2, samples.cell)
+    groups = _clusters(zeros / samples.cell)
+    found = []
+    for group in groups:
+        uv = zeros[group].mean(axis=0)
+        total = int(winding[tuple(cells[group].T)].sum())
+        if total and samples.surface.trim.inside(uv[None])[0]:
+            if len(group) > 1:
+                uv = _newton(samples.surface, uv[None], samples.cell)[0]
+            x = samples.surface.points(uv[None])[0]
+            found.append(
+                Umbilic((float(uv[0]), float(uv[1])), tuple(map(float, x)), total / 2)  # type: ignore[arg-type]
+            )
+    if len(groups) > _MANY:
+        u, v = zeros[groups[0][0]]
+        raise DegenerateError(
+            f"{samples.surface.name}: {len(groups)} umbilics: it has a line of umbilics (near "
+            f"u = {u:.4g}, v = {v:.4g})\ngive directions: --along X,Y,Z (plane sections), or "
+            "change the surface there"
+        )
+    return tuple(sorted(found, key=lambda umbilic: umbilic.uv))
+
+
+def _newton(surface: SplineSurface, start: Floats, cell: Floats) -> Floats:
+    """Zeros of the deviator near (n, 2) parameters; the start where a zero is further than a cell."""
+
+    def value(uv: Floats) -> Floats:
+        return principal(surface.jets(uv)).deviator
+
+    uv, h = start.copy(), 1e-4 * cell
+    for _ in range(_STEPS):
+        columns = []
+        for axis in (0, 1):
+            step = np.zeros(2)
+            step[axis] = h[axis]
+            columns.append((value(uv + step) - value(uv - step)) / (2 * h[axis]))
+        (a, c), (b, d) = columns[0].T, columns[1].T
+        f = value(uv)
+        det = a * d - b * c
+        size = np.maximum(np.abs(a * d) + np.abs(b * c), np.finfo(float).tiny)
+        safe = np.where(np.abs(det) > 1e-9 * size, det, np.inf)
+        move = -np.stack([(d * f[:, 0] - b * f[:, 1]) / safe, (a * f[:, 1] - c * f[:, 0]) / safe], 1)
+        move = np.clip(move, -0.5 * cell, 0.5 * cell)
+        uv = uv + move
+        if np.abs(move / cell).max() < 1e-13:
+            break
+    far = (np.abs(uv - start) > 1.5 * cell).any(axis=1)
+    return np.where(far[:, None], start, uv)
+
+
+def _clusters(points: Floats) -> list[list[int]]:
+    """Groups of points (n, 2) that are chained by distances below `_JOIN`."""
+    apart = np.linalg.norm(points[:, None] - points[None], axis=2)
+    waiting, groups = set(range(len(points))), []
+    while waiting:
+        group, todo = [], [min(waiting)]
+        waiting.discard(todo[0])
+        while todo:
+            i = todo.pop()
+            group.append(i)
+            near = [j for j in sorted(waiting) if apart[i, j] < _JOIN]
+            waiting.difference_update(near)
+            todo += near
+        groups.append(sorted(group))
+    return groups

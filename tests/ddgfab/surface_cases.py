@@ -1,0 +1,50 @@
+"""Surfaces whose curvatures are known in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ddgfab.surfaces.sampled import interpolated
+from ddgfab.surfaces.spline import SplineSurface
+
+QUARTER = np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+QUARTER_WEIGHTS = np.array([1.0, np.sqrt(0.5), 1.0])
+BEZIER = (0, 0, 0, 1, 1, 1)
+
+
+def quarter_cylinder(radius: float = 2.0, height: float = 3.0) -> SplineSurface:
+    """Rational quadratic along u, a quadratic line along v."""
+    control = np.zeros((3, 3, 3))
+    control[..., :2] = radius * QUARTER[:, None]
+    control[..., 2] = np.array([0, height / 2, height])
+    weights = np.repeat(QUARTER_WEIGHTS[:, None], 3, axis=1)
+    return SplineSurface(control, (BEZIER, BEZIER), (2, 2), weights)
+
+
+def quarter_torus(radius: float = 3.0, tube: float = 1.0) -> SplineSurface:
+    """Rational biquadratic: u along the turn, v along the tube."""
+    control = np.zeros((3, 3, 3))
+    far = radius + tube * QUARTER[:, 0]
+    control[..., :2] = QUARTER[:, None] * far[None, :, None]
+    control[..., 2] = tube * QUARTER[:, 1]
+    weights = np.outer(QUARTER_WEIGHTS, QUARTER_WEIGHTS)
+    return SplineSurface(control, (BEZIER, BEZIER), (2, 2), weights)
+
+
+def ellipsoid_cap(samples: tuple[int, int] = (80, 80), half: tuple[float, float] = (2.45, 0.95)):
+    """Upper part of x^2 / 9 + y^2 / 4 + z^2 = 1 as a graph; its umbilics lie at y = 0."""
+    return interpolated(
+        lambda x, y: np.stack([x, y, np.sqrt(1 - x**2 / 9 - y**2 / 4)], axis=-1),
+        (-half[0], half[0], -half[1], half[1]),
+        samples,
+    )
+
+
+def graph(function, half=(1.0, 1.0), samples=(60, 50), **options):
+    """The graph of a function of x and y."""
+    return interpolated(
+        lambda x, y: np.stack([x, y, function(x, y)], axis=-1),
+        (-half[0], half[0], -half[1], half[1]),
+        samples,
+        **options,
+    )
