@@ -41,6 +41,7 @@ GEOMETRY_ROOMS = [
     "measures",
     "curvature",
     "surfaces",
+    "trace",
     "support",
     "offsets",
     "nets",

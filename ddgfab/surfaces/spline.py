@@ -60,7 +60,7 @@ class SplineSurface:
     def __init__(
         self,
         control: ArrayLike,
-        knots: tuple[ArrayLike, ArrayLike],
+        knots: Sequence[ArrayLike],
         degrees: tuple[int, int],
         weights: ArrayLike | None = None,
         trim: Sequence[ArrayLike] | None = None,

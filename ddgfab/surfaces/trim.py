@@ -48,7 +48,7 @@ class Trim:
         if loops is None:
             return Trim((np.array([[u0, v0], [u1, v0], [u1, v1], [u0, v1]]),))
         size = np.array([u1 - u0, v1 - v0])
-        out = []
+        out: list[Floats] = []
         for number, given in enumerate(loops):
             loop = np.asarray(given, dtype=np.float64)
             if loop.ndim != 2 or loop.shape[1] != 2:
@@ -117,7 +117,7 @@ class Trim:
         way, side = (end - start)[:, None], (b - a)[None]
         turn = way[..., 0] * side[..., 1] - way[..., 1] * side[..., 0]
         size = np.linalg.norm(way, axis=-1) * np.linalg.norm(side, axis=-1)
-        leaves = turn < -_PARALLEL * size  # the surface is left of each side
+        leaves = turn > _PARALLEL * size  # the surface is left of each side
         gap = a[None] - start[:, None]
         safe = np.where(leaves, turn, 1.0)
         t = (gap[..., 0] * side[..., 1] - gap[..., 1] * side[..., 0]) / safe

@@ -63,7 +63,7 @@ class ConjugateField:
             two = mid * given[:, 0] + high * given[:, 1]
             given = np.stack([-two, one], axis=1)
         length = np.linalg.norm(given[:, :1] * jets.u + given[:, 1:] * jets.v, axis=1)
-        return given / np.maximum(length, np.finfo(float).tiny)[:, None]
+        return np.asarray(given / np.maximum(length, np.finfo(float).tiny)[:, None])
 
 
 def plane_sections(normal: ArrayLike) -> Callable[[Jets], Floats]:
@@ -86,7 +86,7 @@ def turned(angle: float) -> Callable[[Jets], Floats]:
 
     def along(jets: Jets) -> Floats:
         found = principal(jets)
-        return np.cos(angle) * found.first + np.sin(angle) * found.second
+        return np.asarray(np.cos(angle) * found.first + np.sin(angle) * found.second)
 
     return along
 
@@ -95,4 +95,4 @@ def sines(field: Field, jets: Jets) -> Floats:
     """(n,) sines of the angles at which the families meet."""
     form = forms(jets)
     one, two = (form.frame(field.directions(jets, family)) for family in (0, 1))
-    return np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+    return np.asarray(np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]))

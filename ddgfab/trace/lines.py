@@ -6,7 +6,8 @@ Alliez, Cohen-Steiner, Devillers, Lévy, Desbrun 2003, Anisotropic polygonal rem
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field as dataclass_field
+from dataclasses import dataclass
+from dataclasses import field as dataclass_field
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
@@ -217,9 +218,8 @@ class Tracer:
                     ends[i] = "umbilic"
                 keep &= ~at_pole
             keep &= done[alive] < self.longest
-            alive, uv, speed, along, x = (
-                part[keep] for part in (alive, new, new_speed, new_along, new_x)
-            )
+            alive, uv, speed = alive[keep], new[keep], new_speed[keep]
+            along, x = new_along[keep], new_x[keep]
         return record, ends, rim, leaving
 
     def _closing(

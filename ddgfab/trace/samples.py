@@ -80,7 +80,7 @@ class Samples:
         trim = self.surface.trim
         ways = np.linspace(0, 1, 33)[None, :, None]
         fine = trim.starts[:, None] + ways * (trim.ends - trim.starts)[:, None]
-        coarse = self.surface.points(fine.reshape(-1, 2)).reshape(fine.shape[:2] + (3,))
+        coarse = self.surface.points(fine.reshape(-1, 2)).reshape((*fine.shape[:2], 3))
         lengths = np.linalg.norm(np.diff(coarse, axis=1), axis=2).sum(axis=1)
         out = [
             a + np.linspace(0, 1, count, endpoint=False)[:, None] * (b - a)

@@ -79,7 +79,9 @@ def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
     cells = np.argwhere(winding != 0)
     if not len(cells):
         return ()
-    zeros = _newton(samples.surface, samples.uv[cells[:, 0], cells[:, 1]] + samples.cell / 2, samples.cell)
+    zeros = _newton(
+        samples.surface, samples.uv[cells[:, 0], cells[:, 1]] + samples.cell / 2, samples.cell
+    )
     groups = _clusters(zeros / samples.cell)
     found = []
     for group in groups:
@@ -103,7 +105,7 @@ def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
 
 
 def _newton(surface: SplineSurface, start: Floats, cell: Floats) -> Floats:
-    """Zeros of the deviator near (n, 2) parameters; the start where a zero is further than a cell."""
+    """Zeros of the deviator near (n, 2) parameters; the start where none is within 1.5 cells."""
 
     def value(uv: Floats) -> Floats:
         return principal(surface.jets(uv)).deviator
@@ -120,12 +122,14 @@ def _newton(surface: SplineSurface, start: Floats, cell: Floats) -> Floats:
         det = a * d - b * c
         size = np.maximum(np.abs(a * d) + np.abs(b * c), np.finfo(float).tiny)
         safe = np.where(np.abs(det) > 1e-9 * size, det, np.inf)
-        move = -np.stack([(d * f[:, 0] - b * f[:, 1]) / safe, (a * f[:, 1] - c * f[:, 0]) / safe], 1)
+        move = -np.stack(
+            [(d * f[:, 0] - b * f[:, 1]) / safe, (a * f[:, 1] - c * f[:, 0]) / safe], 1
+        )
         move = np.clip(move, -0.5 * cell, 0.5 * cell)
         uv = uv + move
         if np.abs(move / cell).max() < 1e-13:
             break
-    far = (np.abs(uv - start) > 1.5 * cell).any(axis=1)
+    far = np.asarray((np.abs(uv - start) > 1.5 * cell).any(axis=1))
     return np.where(far[:, None], start, uv)
 
 

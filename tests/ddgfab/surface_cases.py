@@ -31,13 +31,19 @@ def quarter_torus(radius: float = 3.0, tube: float = 1.0) -> SplineSurface:
     return SplineSurface(control, (BEZIER, BEZIER), (2, 2), weights)
 
 
-def ellipsoid_cap(samples: tuple[int, int] = (80, 80), half: tuple[float, float] = (2.45, 0.95)):
-    """Upper part of x^2 / 9 + y^2 / 4 + z^2 = 1 as a graph; its umbilics lie at y = 0."""
-    return interpolated(
-        lambda x, y: np.stack([x, y, np.sqrt(1 - x**2 / 9 - y**2 / 4)], axis=-1),
-        (-half[0], half[0], -half[1], half[1]),
-        samples,
-    )
+def ellipsoid_cap(samples: tuple[int, int] = (80, 80)) -> SplineSurface:
+    """Upper part of x^2 / 9 + y^2 / 4 + z^2 = 1; two umbilics at v = 0."""
+
+    def point(u, v):
+        return np.stack([3 * np.sin(u), 2 * np.cos(u) * np.sin(v), np.cos(u) * np.cos(v)], axis=-1)
+
+    return interpolated(point, (-1.08, 1.08, -0.9, 0.9), samples)
+
+
+def ellipsoid_parameters(x: float, y: float) -> np.ndarray:
+    """(2,) parameters of the point of the cap above x, y."""
+    u = np.arcsin(x / 3)
+    return np.array([u, np.arcsin(y / (2 * np.cos(u)))])
 
 
 def graph(function, half=(1.0, 1.0), samples=(60, 50), **options):

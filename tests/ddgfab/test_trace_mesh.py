@@ -1,0 +1,158 @@
+"""Networks as meshes: areas, faces, orders, conjugate families (mathematics.md 9.4)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from surface_cases import ellipsoid_cap, graph
+
+from ddgfab.errors import DegenerateError, InputError
+from ddgfab.measures import planarity_percent
+from ddgfab.surfaces.analytic import named_surface
+from ddgfab.surfaces.sampled import interpolated
+from ddgfab.trace import (
+    ConjugateField,
+    PrincipalField,
+    network_mesh,
+    place,
+    plane_sections,
+)
+
+
+def traced(surface, spacing, other=None):
+    return network_mesh(place(PrincipalField(surface), (spacing, other or spacing)))
+
+
+def roof(x, y):
+    return 0.12 * np.sin(1.5 * x + 0.3) - 0.22 * y**2 + 0.08 * x * y + 0.05 * y**3
+
+
+@pytest.mark.parametrize("spacing", [0.31, 0.2, 0.13])
+def test_cells_cover_the_trim(spacing: float) -> None:
+    hexagon = [(np.cos(t) * 0.9, np.sin(t) * 0.8) for t in np.arange(0.2, 6.2, 0.3)]
+    hole = [(0.25, 0.0), (0.0, 0.3), (-0.3, 0.0), (0.0, -0.25)]
+    for loops in (None, [hexagon], [hexagon, hole]):
+        found = traced(graph(roof, trim=loops), spacing)
+        assert found.area_error < 1e-10
+        assert len(found.mesh.boundary_loops) == (1 if loops is None else len(loops))
+
+
+def test_vertices_lie_on_the_surface_and_corners_are_kept() -> None:
+    surface = graph(roof)
+    found = traced(surface, 0.2)
+    x, y, z = found.mesh.vertices.T
+    assert np.abs(z - roof(x, y)).max() < 1e-7
+    assert np.abs(found.mesh.vertices - surface.points(found.uv)).max() == 0
+    corners = found.uv[found.tag == 2]
+    assert np.allclose(sorted(map(tuple, corners)), [(-1, -1), (-1, 1), (1, -1), (1, 1)])
+    rim = found.tag > 0
+    assert (found.mesh.boundary_vertex == rim).all()
+    assert (np.abs(np.abs(found.uv[rim]).max(axis=1) - 1) < 1e-12).all()
+
+
+def test_without_umbilics_all_inner_faces_are_quads() -> None:
+    found = traced(named_surface("wave-roof"), 1500.0)
+    assert (found.mesh.face_sizes[found.inner_faces] == 4).all()
+    assert len(found.inner_faces) > 100
+
+
+def test_one_hexagon_round_a_star() -> None:
+    found = traced(named_surface("monkey-saddle"), 1500.0)
+    sizes = found.mesh.face_sizes[found.inner_faces]
+    assert np.bincount(sizes).tolist()[4:] == [len(sizes) - 1, 0, 1]
+
+
+def test_ellipsoid_with_two_umbilics_has_quads_away_from_them() -> None:
+    surface = ellipsoid_cap()
+    network = place(PrincipalField(surface), (0.35, 0.35))
+    found = network_mesh(network)
+    assert [umbilic.index for umbilic in network.umbilics] == [0.5, 0.5]
+    assert found.area_error < 1e-10
+    inner = found.inner_faces
+    odd = inner[found.mesh.face_sizes[inner] != 4]
+    places = np.array([umbilic.x for umbilic in network.umbilics])
+    for center in found.mesh.face_centres[odd]:
+        assert np.linalg.norm(places - center, axis=1).min() < 0.35
+    assert len(odd) <= 2
+    assert len(inner) > 50
+
+
+def test_planarity_falls_with_the_third_power() -> None:
+    surface = named_surface("wave-roof")
+    means = []
+    for spacing in (3000.0, 1500.0, 750.0):
+        found = traced(surface, spacing)
+        percent = planarity_percent(found.mesh)[found.inner_faces]
+        means.append(percent.mean() * spacing)  # a distance
+    assert means[0] / means[1] > 5
+    assert means[1] / means[2] > 5
+
+
+def test_spacing_is_kept() -> None:
+    found = traced(named_surface("wave-roof"), 1000.0)
+    inner = ~found.mesh.boundary_edge
+    ratio = found.mesh.edge_lengths[inner] / 1000
+    low, middle, high = np.percentile(ratio, [5, 50, 95])
+    assert low > 0.55
+    assert 0.85 < middle < 1.1
+    assert high < 1.4
+
+
+def test_a_motion_moves_the_net_and_scale_scales_it() -> None:
+    turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+
+    def point(u, v):
+        return np.stack([u, v, roof(u, v)], axis=-1)
+
+    box = (-1.0, 1.0, -1.0, 1.0)
+    one = traced(interpolated(point, box, (60, 50)), 0.25).mesh
+    moved = interpolated(lambda u, v: 7 * point(u, v) @ turn.T + [3, -2, 5], box, (60, 50))
+    two = traced(moved, 1.75).mesh
+    assert one.n_faces == two.n_faces
+    assert np.abs(7 * one.vertices @ turn.T + [3, -2, 5] - two.vertices).max() < 1e-6
+
+
+def test_conjugate_lines_of_the_ellipsoid_lie_in_planes() -> None:
+    """Diametral planes: the curves conjugate to plane sections with normal m pass through the
+    diameter (9 m1, 4 m2, m3)."""
+    surface, normal = ellipsoid_cap((120, 110)), np.array([0.3, 1.0, 0.2])
+    network = place(ConjugateField(surface, plane_sections(normal)), (0.2, 0.2))
+    diameter = normal * [9, 4, 1]
+    for line in network.lines[0]:
+        assert np.ptp(line.x @ normal) < 1e-5
+    worst = 0.0
+    for line in network.lines[1]:
+        rows = np.cross(line.x, diameter)
+        worst = max(worst, np.linalg.svd(rows / np.linalg.norm(rows, axis=1)[:, None])[1][1])
+    assert worst < 1e-4
+    found = network_mesh(network)
+    inner = found.inner_faces
+    quads = inner[found.mesh.face_sizes[inner] == 4]
+    assert len(quads) > 30
+    assert planarity_percent(found.mesh)[quads].max() < 1e-3
+
+
+def test_translation_surface_has_its_conjugate_lines() -> None:
+    surface = graph(lambda x, y: 0.3 * x**2 + 0.2 * y**3 + 0.4 * y**2)
+    network = place(ConjugateField(surface, plane_sections([0, 1, 0])), (0.2, 0.2))
+    for line in network.lines[1]:
+        assert np.ptp(line.x[:, 0]) < 1e-9
+
+
+def test_asymptotic_family_is_refused() -> None:
+    surface = graph(lambda x, y: x * y)
+    with pytest.raises(DegenerateError, match=r"families meet at 0\.0 deg at u"):
+        place(ConjugateField(surface, plane_sections([0, 1, 0])), (0.2, 0.2))
+
+
+@pytest.mark.parametrize("spacing", [0.0, -1.0, 50.0, 1e-5, np.nan])
+def test_useless_spacing_is_refused(spacing: float) -> None:
+    with pytest.raises(InputError, match="spacing"):
+        place(PrincipalField(graph(roof)), (spacing, spacing))
+
+
+def test_unreached_hole_is_refused() -> None:
+    hole = [(0.02, 0.05), (0.0, 0.07), (-0.02, 0.05), (0.0, 0.03)]
+    square = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+    with pytest.raises(DegenerateError, match="no line reaches a hole"):
+        traced(graph(lambda x, y: x**2 - y**2, trim=[square, hole]), 0.39)
