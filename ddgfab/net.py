@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError, MeshError
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Ints, Mesh
 
 
+@checked
 def shift(values: ArrayLike, axis: int, step: int = 1, *, periodic: bool = False) -> Floats:
     """Array `step` forward in a direction: shorter by |step|, or rolled when periodic.
 
@@ -41,6 +43,7 @@ def shift(values: ArrayLike, axis: int, step: int = 1, *, periodic: bool = False
     return np.take(array, part, axis=axis)
 
 
+@checked
 def difference(values: ArrayLike, axis: int, *, periodic: bool = False) -> Floats:
     """Delta_k x = x_k - x: one shorter in the direction, or as long when periodic."""
     array = np.asarray(values, dtype=np.float64)

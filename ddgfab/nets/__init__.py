@@ -7,6 +7,7 @@ minimal surfaces).
 
 from __future__ import annotations
 
+from ddgfab.net import difference, shift
 from ddgfab.nets.asymptotic import (
     anet_from_moutard,
     lelieuvre,
@@ -72,6 +73,7 @@ from ddgfab.nets.isothermic import (
     isothermic_residuals,
 )
 from ddgfab.nets.isothermic_layers import evolve_isothermic_nd
+from ddgfab.nets.kites import kite_net
 from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
 from ddgfab.nets.miquel import (
     evolve_circular,
@@ -119,6 +121,7 @@ __all__ = [
     "cross_ratios",
     "cube_point",
     "cube_xi",
+    "difference",
     "double_cover",
     "dual",
     "dual_face",
@@ -139,6 +142,7 @@ __all__ = [
     "interior_angles",
     "isothermic_point",
     "isothermic_residuals",
+    "kite_net",
     "label_edges",
     "lattice",
     "lelieuvre",
@@ -155,6 +159,7 @@ __all__ = [
     "quad_volumes",
     "sample",
     "seen_from_opposite",
+    "shift",
     "sphere_defect",
     "stack_transforms",
     "star_edges",

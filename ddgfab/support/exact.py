@@ -7,8 +7,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from ddgfab.arguments import checked
-from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.support.parallel import parallel_field
+from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 BOUNDARY_WEIGHT = 1e-4
 """Weight of boundary vertices, which have no full cone, against the cones' axes."""
@@ -29,12 +30,61 @@ def reflected_axes(mesh: Mesh) -> Floats:
     Source: vertex offsets, Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3; mathematics.md
     2.7.
     """
+    axes = np.zeros((mesh.n_vertices, 3))
+    moves, parts = reflections(mesh)
+    for order in parts:
+        first = unit(np.einsum("vij,vi->j", moves[order], mesh.vertex_normals[order]))
+        axes[order] = moves[order] @ first
+    return axes
+
+
+def smoothest_normals(mesh: Mesh) -> Floats:
+    """(V, 3) unit normals by reflection (`reflected_axes`) whose curvatures vary least.
+
+    Normals by reflection have n_j - n_i = c e along every edge e, with a curvature c. Of their
+    two-parameter family the member is taken whose c differ least between edges that follow each
+    other on a line of the net: others alternate from vertex to vertex about it. On nets in a
+    sphere, a cylinder of revolution or a plane it is the normal of that surface, exactly.
+    """
+    normals = np.zeros((mesh.n_vertices, 3))
+    moves, parts = reflections(mesh)
+    e = mesh.edge_vectors / (mesh.edge_lengths**2)[:, None]
+    curvature = -2.0 * np.einsum("ei,eij->ej", e, moves[mesh.edges[:, 0]])
+    before, after, at = _successive_edges(mesh)
+    change = curvature[before] - curvature[after]
+    for order in parts:
+        own = change[np.isin(at, order)]
+        values, columns = np.linalg.eigh(own.T @ own)
+        first = columns[:, 0]
+        if not values[1] > RELATIVE_DEGENERATE * values[2]:  # too few edges to decide
+            first = unit(np.einsum("vij,vi->j", moves[order], mesh.vertex_normals[order]))
+        normals[order] = moves[order] @ first
+        if np.einsum("vi,vi->", normals[order], mesh.vertex_normals[order]) < 0:
+            normals[order] *= -1.0
+    return normals
+
+
+def _successive_edges(mesh: Mesh) -> tuple[Ints, Ints, Ints]:
+    """Pairs of edges across vertices with four edges, three at the boundary, and the vertices."""
+    found = []
+    for valence, inside, pairs in ((4, True, ((0, 2), (1, 3))), (3, False, ((0, 2),))):
+        ids = np.flatnonzero((mesh.valences == valence) & (mesh.boundary_vertex != inside))
+        for i, j in pairs:
+            star = mesh.star_start[ids]
+            found.append((mesh.star_edges[star + i], mesh.star_edges[star + j], ids))
+    before, after, at = (np.concatenate(part) for part in zip(*found, strict=True))
+    return before, after, at
+
+
+def reflections(mesh: Mesh) -> tuple[Floats, list[Ints]]:
+    """(V, 3, 3) matrices that carry the axis of a component's first vertex to the others, by
+    reflections along a spanning tree, and the vertices of each component."""
     count = mesh.n_vertices
     start, end = mesh.edges.T
     graph = coo_array((np.ones(mesh.n_edges), (start, end)), shape=(count, count)).tocsr()
     labels = connected_components(graph, directed=False)[1]
-    axes = np.zeros((count, 3))
-    moves = np.zeros((count, 3, 3))  # axis of a vertex = moves[v] @ axis of its root
+    moves = np.zeros((count, 3, 3))
+    parts = []
     for root in np.unique(labels, return_index=True)[1]:
         if mesh.valences[root] == 0:
             continue
@@ -44,9 +94,8 @@ def reflected_axes(mesh: Mesh) -> Floats:
             parent = before[vertex]
             e = unit(mesh.vertices[vertex] - mesh.vertices[parent])
             moves[vertex] = moves[parent] - 2.0 * np.outer(e, e @ moves[parent])
-        first = unit(np.einsum("vij,vi->j", moves[order], mesh.vertex_normals[order]))
-        axes[order] = moves[order] @ first
-    return axes
+        parts.append(order)
+    return moves, parts
 
 
 @checked

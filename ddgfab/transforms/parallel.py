@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 
 from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
-from ddgfab.mesh import Floats, Mesh
+from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.support.parallel import edge_conditions, parallel_field
 from ddgfab.tolerances import RELATIVE_DEGENERATE
+from ddgfab.trees import tree_sums
 
 DENSE_LIMIT: Final = 2000
 """Vertices up to which the space of parallel meshes is computed (dense, time ~ V^3)."""
@@ -57,6 +58,10 @@ def parallel_dimension(mesh: Mesh) -> int:
 def nearest_parallel(mesh: Mesh, target: ArrayLike, weights: ArrayLike | None = None) -> Mesh:
     """The parallel mesh whose vertices are nearest to (V, 3) targets, by least squares.
 
+    Where the directions target - v are torsion-free node axes along which a parallel mesh has its
+    vertices (`parallel_along`), it is that mesh, at the distance nearest to the targets: axes that
+    are exact stay as they are.
+
     Parameters
     ----------
     target : (V, 3)
@@ -65,15 +70,96 @@ def nearest_parallel(mesh: Mesh, target: ArrayLike, weights: ArrayLike | None = 
     Raises
     ------
     InputError
-        Targets of the wrong shape or not finite.
+        Targets or weights of the wrong shape or not finite, weights that are not positive.
 
     Source: mathematics.md 10.4; see `ddgfab.support.parallel.parallel_field`.
     """
     wanted = np.asarray(target, dtype=np.float64)
     if wanted.shape != mesh.vertices.shape or not np.isfinite(wanted).all():
         raise InputError(f"target: {mesh.vertices.shape} finite numbers are needed")
-    weight = None if weights is None else np.asarray(weights, dtype=np.float64)
+    weight = np.ones(mesh.n_vertices) if weights is None else np.asarray(weights, dtype=np.float64)
+    if weight.shape != (mesh.n_vertices,) or not (np.isfinite(weight) & (weight > 0)).all():
+        raise InputError(f"weights: ({mesh.n_vertices},) positive numbers are needed")
+    away = wanted - mesh.vertices
+    used = mesh.valences > 0
+    if (np.linalg.norm(away[used], axis=1) > 0).all():
+        try:
+            along = _moves_along(mesh, away, NULL_RELATIVE)
+        except DegenerateError:
+            pass
+        else:
+            square = np.einsum("v,vx,vx->", weight, along, along)
+            factor = np.einsum("v,vx,vx->", weight, along, away) / square
+            return mesh.with_vertices(mesh.vertices + factor * along)
     return mesh.with_vertices(parallel_field(mesh, wanted, weight))
+
+
+@checked
+def parallel_along(
+    mesh: Mesh, axes: ArrayLike, distance: float = 1.0, tolerance: float = NULL_RELATIVE
+) -> Mesh:
+    """The parallel mesh with vertices v + h_v a_v on given node axes, unique up to its distance.
+
+    Walking along an edge, h_i (a_i x e) = h_j (a_j x e) fixes the next height; torsion-free axes
+    whose heights also fit round every face have such a mesh.
+
+    Parameters
+    ----------
+    axes : (V, 3) directions of any length; at vertices without faces they are not looked at
+    distance : mean |h| over the vertices
+    tolerance : on the sine between edges of the two meshes, as the greatest turn over one edge
+
+    Raises
+    ------
+    InputError
+        Axes of the wrong shape, not finite or of no length; names the vertex.
+    DegenerateError
+        An axis along an edge; heights that do not fit, as on axes with torsion. Names the edge.
+
+    Source: mathematics.md 10.2, 10.4.
+    """
+    return mesh.with_vertices(mesh.vertices + distance * _moves_along(mesh, axes, tolerance))
+
+
+def _moves_along(mesh: Mesh, axes: ArrayLike, tolerance: float) -> Floats:
+    """(V, 3) moves of `parallel_along` at distance 1."""
+    a = np.asarray(axes, dtype=np.float64)
+    if a.shape != mesh.vertices.shape or not np.isfinite(a).all():
+        raise InputError(f"axes: {mesh.vertices.shape} finite numbers are needed")
+    used = mesh.valences > 0
+    length = np.linalg.norm(a, axis=1)
+    if not (length[used] > 0).all():
+        raise InputError(f"the axis of vertex {np.argmax(used & (length == 0))} has no length")
+    a = unit(a)
+    start, end = mesh.edges.T
+    e = unit(mesh.edge_vectors)
+    here, there = np.cross(a[start], e), np.cross(a[end], e)
+    sines = np.stack([np.linalg.norm(part, axis=1) for part in (here, there)], axis=1)
+    lying = np.argwhere(sines <= RELATIVE_DEGENERATE)
+    if len(lying):
+        edge = int(lying[0, 0])
+        raise DegenerateError(
+            f"the axis of vertex {mesh.edges[tuple(lying[0])]} runs along edge {edge}"
+        )
+    logs = np.log(sines)
+    heights = np.zeros(mesh.n_vertices)
+    flips = (np.einsum("ex,ex->e", here, there) < 0).astype(np.float64)
+    for part in range(int(mesh.components.max()) + 1):
+        root = int(mesh.corners[np.argmax(mesh.components[mesh.corner_face] == part)])
+        steps = np.stack([logs[:, 0] - logs[:, 1], flips], axis=1)
+        found, reached = tree_sums(mesh.n_vertices, start, end, steps, root)
+        size = np.exp(found[:, 0] - found[reached, 0].max())
+        sign = 1.0 - 2.0 * (np.rint(found[:, 1]) % 2)
+        heights[reached] = (sign * size / size[reached].mean())[reached]
+    moved = heights[:, None] * a
+    turned = np.linalg.norm(np.cross(moved[end] - moved[start], e), axis=1)
+    worst = int(turned.argmax())
+    if not turned[worst] <= tolerance * np.abs(heights[mesh.edges[worst]]).max():
+        raise DegenerateError(
+            f"no parallel mesh has its vertices on these axes: at distance 1 edge {worst} "
+            f"({start[worst]}-{end[worst]}) is off by {turned[worst]:.2g} (limit {tolerance:g})"
+        )
+    return moved
 
 
 @checked

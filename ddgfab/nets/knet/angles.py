@@ -10,14 +10,17 @@ only. Source: mathematics.md 3.7, 3.8, 13; Bobenko, Pinkall 1996.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.knet.net import KNet, modulo, oriented_angle, refuse_angles
+from ddgfab.nets.knet.net import KNet, knet, modulo, oriented_angle, refuse_angles
 from ddgfab.quads import finite
+from ddgfab.tolerances import NET_INPUT
 
 
 @checked
@@ -225,6 +228,54 @@ def hirota_potential(net: KNet, start: tuple[float, float] = (0.0, 0.0)) -> Floa
     first = _axis(row, chi_of_phi(row, k[:, 0]), h_00, h_10, h_01)
     second = _axis(column, chi_of_phi(column, k[0]), h_00, h_01, h_10)
     return evolve_hirota(first, second, k)
+
+
+@checked
+def knet_from_potential(
+    h: ArrayLike,
+    deltas: Sequence[ArrayLike],
+    *,
+    r: float = 1.0,
+    origin: ArrayLike = (0.0, 0.0, 0.0),
+    normal: ArrayLike = (0.0, 0.0, 1.0),
+    edge: ArrayLike = (1.0, 0.0, 0.0),
+    tolerance: float = NET_INPUT,
+) -> KNet:
+    """The K-net of a solution of Hirota's equation, unique up to its place: inverts
+    `hirota_potential`.
+
+    The angle at the first point is phi of the first quad; the axes turn by chi of one quad less phi
+    of the next, with phi = (h_1 + h_2) / 2 and chi = (h + h_12) / 2.
+
+    Parameters
+    ----------
+    h : (M + 1, N + 1) potential at the vertices
+    deltas : (M,) and (N,) angles between consecutive normals [rad], which give k
+    r, origin, normal, edge : scale and place, as in `knet`
+    tolerance : on the residual of Hirota's equation
+
+    Raises
+    ------
+    InputError
+        Shapes that do not fit; a potential that does not fulfil the equation with these angles:
+        names the quad and the residual. As `knet`.
+
+    Source: mathematics.md 3.8, 3.5.
+    """
+    values = np.asarray(h, dtype=np.float64)
+    if len(deltas) != 2:
+        raise InputError(f"deltas of {len(deltas)} directions; a potential has two")
+    residual = np.abs(hirota_residual(values, angle_coefficient(*deltas)))
+    worst = tuple(int(i) for i in np.unravel_index(int(residual.argmax()), residual.shape))
+    if not residual[worst] <= tolerance:
+        raise InputError(
+            f"the potential is no solution of Hirota's equation: residual {residual[worst]:.2g} in "
+            f"quad {worst} (limit {tolerance:g}); evolve_hirota makes one from two axes"
+        )
+    phi = 0.5 * (values[1:, :-1] + values[:-1, 1:])
+    chi = 0.5 * (values[:-1, :-1] + values[1:, 1:])
+    turns = [chi[:-1, 0] - phi[1:, 0], phi[0, 1:] - chi[0, :-1]]
+    return knet(deltas, turns, phi[0, 0], r=r, origin=origin, normal=normal, edge=edge)
 
 
 def _axis(phi: Floats, chi: Floats, h_00: float, h_10: float, h_01: float) -> Floats:
