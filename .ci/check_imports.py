@@ -63,6 +63,7 @@ ROOMS = [
     "families",
     "checks",
     "formats",
+    "surfaces_in",
     "project",
     "table",
     "pictures",

@@ -6,6 +6,8 @@ from ddgfab.trace.field import ConjugateField, Field, PrincipalField, plane_sect
 from ddgfab.trace.lines import Line, Tracer
 from ddgfab.trace.mesh import TracedMesh, network_mesh
 from ddgfab.trace.placing import Network, place
+from ddgfab.trace.quality import Quality, quality
+from ddgfab.trace.recipe import Traced, trace
 from ddgfab.trace.umbilics import Umbilic
 
 __all__ = [
@@ -14,11 +16,15 @@ __all__ = [
     "Line",
     "Network",
     "PrincipalField",
+    "Quality",
+    "Traced",
     "TracedMesh",
     "Tracer",
     "Umbilic",
     "network_mesh",
     "place",
     "plane_sections",
+    "quality",
+    "trace",
     "turned",
 ]

@@ -6,11 +6,12 @@ Source: mathematics.md 9.1, 9.2.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, unit
 from ddgfab.surfaces.principal import forms, principal
@@ -20,17 +21,17 @@ LEAST_ANGLE_DEG: Final = 15.0
 """Conjugate families that meet at a smaller angle [deg] make no usable cells."""
 
 
-class Field(Protocol):
+class Field:
     """Two directions at each point of a surface."""
 
     surface: SplineSurface
 
     def directions(self, jets: Jets, family: int) -> Floats:
         """(n, 2) parameter directions of family 0 or 1, of unit length on the surface."""
-        ...
+        raise NotImplementedError
 
 
-class PrincipalField:
+class PrincipalField(Field):
     """The principal directions; family 0 is that of the larger curvature."""
 
     def __init__(self, surface: SplineSurface) -> None:
@@ -42,7 +43,7 @@ class PrincipalField:
         return found.second if family else found.first
 
 
-class ConjugateField:
+class ConjugateField(Field):
     """A given direction, and the one conjugate to it: cells are planar to third order.
 
     Parameters
@@ -66,6 +67,7 @@ class ConjugateField:
         return np.asarray(given / np.maximum(length, np.finfo(float).tiny)[:, None])
 
 
+@checked
 def plane_sections(normal: ArrayLike) -> Callable[[Jets], Floats]:
     """Directions of the sections with parallel planes of a normal (3,).
 
@@ -81,6 +83,7 @@ def plane_sections(normal: ArrayLike) -> Callable[[Jets], Floats]:
     return lambda jets: np.stack([-(jets.v @ across), jets.u @ across], axis=1)
 
 
+@checked
 def turned(angle: float) -> Callable[[Jets], Floats]:
     """Principal directions of the larger curvature turned by an angle [rad]."""
 

@@ -15,6 +15,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.trace.cells import cells
@@ -78,6 +79,7 @@ class _Graph:
         return ids
 
 
+@checked
 def network_mesh(network: Network) -> TracedMesh:
     """The mesh whose edges are the lines of a network and the trimming curves.
 

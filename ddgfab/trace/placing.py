@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.trace.field import LEAST_ANGLE_DEG, Field, PrincipalField, sines
@@ -54,6 +55,7 @@ class Network:
         return sum("long" in line.ends for family in self.lines for line in family)
 
 
+@checked
 def place(field: Field, spacing: tuple[float, float]) -> Network:
     """Lines of both families, evenly spaced.
 

@@ -10,7 +10,7 @@ from fabrication.cli.common import app
 
 # Imported for their commands, in the order in which `--help` lists them.
 # isort: off
-from fabrication.cli import make, linkage, optimize, look, net  # noqa: F401
+from fabrication.cli import make, linkage, optimize, trace, look, net  # noqa: F401
 
 # isort: on
 

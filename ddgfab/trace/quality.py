@@ -1,0 +1,135 @@
+"""What a traced net is like before anything is optimized: spacing, planarity, umbilics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ddgfab.arguments import checked
+from ddgfab.measures import planarity_percent
+from ddgfab.surfaces.principal import DETERMINED
+from ddgfab.trace.field import sines
+from ddgfab.trace.mesh import TracedMesh
+from ddgfab.trace.placing import Network
+
+_DOUBTFUL: Final = 2.0
+"""Umbilics nearer to the rim than this [spacings] may be there by noise only."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Numbers of a traced net. Lengths in the unit of the surface, angles in degrees.
+
+    Attributes
+    ----------
+    lines : of family 0 and 1
+    spacing_percent : 5th, 50th and 95th percentile of inner edges over the wished spacing [%]
+    planarity_percent : mean and greatest over inner faces
+    face_sizes : how many inner, how many rim faces of each number of corners
+    undetermined_percent : part of the surface with anisotropy below 0.05: directions are uncertain
+    least_angle_deg : at which the families meet
+    umbilics : place, index, and whether it is doubtful (near the rim)
+    spirals : lines that were given up for their length
+    """
+
+    vertices: int
+    faces: int
+    lines: tuple[int, int]
+    spacing_percent: tuple[float, float, float]
+    planarity_percent: tuple[float, float]
+    face_sizes: tuple[dict[int, int], dict[int, int]]
+    undetermined_percent: float
+    least_angle_deg: float
+    umbilics: tuple[tuple[tuple[float, float, float], float, bool], ...]
+    spirals: int
+
+    def text(self) -> str:
+        """The report for people."""
+        low, middle, high = self.spacing_percent
+        mean, greatest = self.planarity_percent
+        inner, rim = (
+            ", ".join(f"{count} {size}-gons" for size, count in sizes.items()) or "none"
+            for sizes in self.face_sizes
+        )
+        rows = [
+            f"lines         {self.lines[0]} and {self.lines[1]}",
+            f"spacing       5 % of the edges below {low:.0f} %, median {middle:.0f} %, "
+            f"5 % above {high:.0f} % of the wished",
+            f"inner faces   {inner}",
+            f"rim faces     {rim}",
+            f"planarity     mean {mean:.3g} %, greatest {greatest:.3g} % (inner faces)",
+            f"families      meet at {self.least_angle_deg:.1f} deg or more",
+        ]
+        if self.undetermined_percent > 0:
+            rows.append(
+                f"directions    uncertain on {self.undetermined_percent:.1f} % of the surface "
+                f"(anisotropy below {DETERMINED:g})"
+            )
+        for (x, y, z), index, doubtful in self.umbilics:
+            note = ", near the rim: doubtful" if doubtful else ""
+            rows.append(
+                f"umbilic       ({x:.6g}, {y:.6g}, {z:.6g}), index {index:+g}: a cell of "
+                f"{4 * (1 - index):g} corners{note}"
+            )
+        if self.spirals:
+            rows.append(f"spirals       {self.spirals} lines were cut at 3 diameters")
+        return "\n".join(rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return {
+            "vertices": self.vertices,
+            "faces": self.faces,
+            "lines": list(self.lines),
+            "spacing_percent": list(self.spacing_percent),
+            "planarity_percent": list(self.planarity_percent),
+            "inner_face_sizes": {str(k): v for k, v in self.face_sizes[0].items()},
+            "rim_face_sizes": {str(k): v for k, v in self.face_sizes[1].items()},
+            "undetermined_percent": self.undetermined_percent,
+            "least_angle_deg": self.least_angle_deg,
+            "umbilics": [
+                {"place": list(place), "index": index, "doubtful": doubtful}
+                for place, index, doubtful in self.umbilics
+            ],
+            "spirals": self.spirals,
+        }
+
+
+@checked
+def quality(network: Network, traced: TracedMesh) -> Quality:
+    """Measure a traced net."""
+    mesh, samples = traced.mesh, network.samples
+    inner = traced.inner_faces
+    outer = np.setdiff1d(np.arange(mesh.n_faces), inner)
+    along = mesh.edge_lengths[~mesh.boundary_edge]
+    wished = float(np.sqrt(network.spacing[0] * network.spacing[1]))
+    ratio = 100 * along / wished if len(along) else np.full(1, np.nan)
+    flat = planarity_percent(mesh)[inner] if len(inner) else np.zeros(1)
+    anisotropy = samples.principal.anisotropy[samples.inside]
+    sine = sines(network.field, samples.jets)[samples.inside]
+    places = np.array([umbilic.x for umbilic in network.umbilics]).reshape(-1, 3)
+    far = cKDTree(samples.rim(wished / 4)).query(places)[0] if len(places) else []
+    low, middle, high = np.percentile(ratio, [5, 50, 95]).tolist()
+    return Quality(
+        vertices=mesh.n_vertices,
+        faces=mesh.n_faces,
+        lines=(len(network.lines[0]), len(network.lines[1])),
+        spacing_percent=(low, middle, high),
+        planarity_percent=(float(flat.mean()), float(flat.max())),
+        face_sizes=(_sizes(mesh.face_sizes[inner]), _sizes(mesh.face_sizes[outer])),
+        undetermined_percent=100 * float((anisotropy < DETERMINED).mean()),
+        least_angle_deg=float(np.degrees(np.arcsin(np.clip(sine.min(), 0, 1)))),
+        umbilics=tuple(
+            (umbilic.x, umbilic.index, bool(distance < _DOUBTFUL * wished))
+            for umbilic, distance in zip(network.umbilics, far, strict=True)
+        ),
+        spirals=network.spirals,
+    )
+
+
+def _sizes(values: Any) -> dict[int, int]:
+    found, counts = np.unique(values, return_counts=True)
+    return dict(zip(found.tolist(), counts.tolist(), strict=True))

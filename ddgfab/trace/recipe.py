@@ -1,0 +1,68 @@
+"""`trace`: from a surface and a spacing to a net with its quality."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from ddgfab.arguments import checked
+from ddgfab.errors import InputError
+from ddgfab.mesh import Mesh
+from ddgfab.surfaces.spline import SplineSurface
+from ddgfab.trace.field import ConjugateField, Field, PrincipalField, plane_sections, turned
+from ddgfab.trace.mesh import TracedMesh, network_mesh
+from ddgfab.trace.placing import Network, place
+from ddgfab.trace.quality import Quality, quality
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """A net traced on a surface: its lines, its mesh with tags, its quality."""
+
+    network: Network
+    traced: TracedMesh
+    quality: Quality
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh itself."""
+        return self.traced.mesh
+
+
+@checked
+def trace(
+    surface: SplineSurface,
+    spacing: float | tuple[float, float],
+    *,
+    along: ArrayLike | None = None,
+    turn: float | None = None,
+) -> Traced:
+    """A net on a surface whose edges follow principal, or conjugate, directions.
+
+    Parameters
+    ----------
+    spacing : wished distance of neighboring lines, of both families or of each
+    along : normal (3,) of parallel planes: one family is the sections with them, the other
+        conjugate to it
+    turn : angle [rad] from the principal directions to one family, the other is conjugate to it
+
+    Raises
+    ------
+    InputError
+        A spacing that does not suit the surface, or both `along` and `turn`.
+    DegenerateError
+        Principal directions that are not determined, families that are nearly parallel, lines that
+        make no cells; names the place.
+    """
+    if along is not None and turn is not None:
+        raise InputError("along and turn both give the first family: choose one")
+    field: Field = PrincipalField(surface)
+    if along is not None:
+        field = ConjugateField(surface, plane_sections(along))
+    elif turn is not None:
+        field = ConjugateField(surface, turned(turn))
+    one, two = spacing if isinstance(spacing, tuple) else (spacing, spacing)
+    network = place(field, (float(one), float(two)))
+    found = network_mesh(network)
+    return Traced(network, found, quality(network, found))

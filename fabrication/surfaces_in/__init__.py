@@ -1,0 +1,1 @@
+"""Surfaces that nets are traced on, from CAD files and by name."""

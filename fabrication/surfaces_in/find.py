@@ -1,0 +1,49 @@
+"""A surface by name or from a file, as commands and projects ask for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from ddgfab.errors import InputError
+from ddgfab.surfaces.analytic import SURFACES, named_surface
+from ddgfab.surfaces.spline import SplineSurface
+
+CAD_SUFFIXES: Final = (".step", ".stp", ".iges", ".igs")
+"""Files that the CAD kernel reads."""
+
+
+def find_surface(
+    source: str | Path, parameters: Mapping[str, Any] | None = None, face: int | None = None
+) -> SplineSurface:
+    """The surface of a name (`SURFACES`) or of a STEP or IGES file [mm].
+
+    Parameters
+    ----------
+    parameters : of a surface by name
+    face : of a file with several faces, from 0
+
+    Raises
+    ------
+    InputError
+        An unknown name, another kind of file, or what its reader refuses.
+    """
+    text = str(source)
+    suffix = Path(text).suffix.lower()
+    if suffix in CAD_SUFFIXES:
+        if parameters:
+            raise InputError(
+                f"{next(iter(parameters))} is for surfaces by name, not for files", file=text
+            )
+        from fabrication.surfaces_in.cad import read_cad_surface
+
+        return read_cad_surface(Path(text), face)
+    if face is not None:
+        raise InputError(f"face {face}: only STEP and IGES files have faces")
+    if suffix and text not in SURFACES:
+        raise InputError(
+            f'unknown kind of surface file "{suffix}"; known: {", ".join(CAD_SUFFIXES)}, or a '
+            f"surface by name: {', '.join(SURFACES)}"
+        )
+    return named_surface(text, parameters)
