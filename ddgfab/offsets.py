@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
+from ddgfab.measures.edge_offset import koebe_field
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.support.edge import koebe_field
 from ddgfab.support.exact import cone_field, reflected_axes
 
 OFFSET_RELATIVE: Final = 1e-9

@@ -34,6 +34,14 @@ NET_STAR_DEG: Final = 0.1
 NET_SIDES_PERCENT: Final = 0.1
 """Opposite sides of a quad count as equal below this difference [% of the mean side]."""
 
+NET_EDGE_OFFSET: Final = 1e-4
+"""A net is called parallel to a Koebe net when its offset's edges turn by less [rad] and their
+distance varies by less, relative: what six digits in a file leave."""
+
+NET_ISOTHERMIC: Final = 2e-3
+"""A circular net is called isothermic below this logarithm of the product of cross-ratios round a
+vertex."""
+
 UNIT_NORMAL: Final = 1e-9
 """How far the length of a unit vector may be from one."""
 

@@ -45,13 +45,16 @@ class Curvatures:
 
 
 @checked
-def steiner_curvatures(mesh: Mesh, gauss_image: ArrayLike) -> Curvatures:
+def steiner_curvatures(
+    mesh: Mesh, gauss_image: ArrayLike, tolerance: float = PARALLEL_SINE
+) -> Curvatures:
     """H = -A(f, sigma) / A(f) and K = A(sigma) / A(f) of every face.
 
     Parameters
     ----------
     gauss_image : (V, 3) vertices sigma of a mesh parallel to this one: unit normals of a circular
         net, vertices of the Koebe polyhedron of an s-isothermic one, ...
+    tolerance : on the sine between the edges of the two; files of few digits need more
 
     Raises
     ------
@@ -77,14 +80,14 @@ def steiner_curvatures(mesh: Mesh, gauss_image: ArrayLike) -> Curvatures:
     turned = np.linalg.norm(np.cross(mesh.edge_vectors, image), axis=1)
     # Short edges of the image are measured by its size: their direction means nothing.
     size = float(length.max(initial=0.0))
-    off = turned > PARALLEL_SINE * mesh.edge_lengths * np.maximum(length, PARALLEL_SINE * size)
+    off = turned > tolerance * mesh.edge_lengths * np.maximum(length, tolerance * size)
     if off.any():
         edge = int(np.argmax(off))
         sine = turned[edge] / (mesh.edge_lengths[edge] * length[edge])
         a, b = mesh.edges[edge]
         raise MeshError(
             f"the Gauss image is not parallel: its edge {edge} ({a}-{b}) turns away from the "
-            f"mesh's by a sine of {sine:.2g} (limit {PARALLEL_SINE:g})"
+            f"mesh's by a sine of {sine:.2g} (limit {tolerance:g})"
         )
     area = oriented_areas(mesh)
     longest = np.maximum.reduceat(mesh.edge_lengths[mesh.corner_edge], mesh.face_start[:-1])

@@ -10,10 +10,11 @@ from ddgfab.measures.faces import (
     interior_angles,
     planarity,
     planarity_percent,
+    translation_defect,
 )
 from ddgfab.measures.kinds import kind_names, kind_words
 from ddgfab.measures.report import Measure, Report, inspect
-from ddgfab.measures.vertices import conical_defect, star_defect
+from ddgfab.measures.vertices import conical_defect, isothermic_defect, star_defect
 
 __all__ = [
     "Measure",
@@ -24,6 +25,7 @@ __all__ = [
     "dihedral_angles",
     "inspect",
     "interior_angles",
+    "isothermic_defect",
     "kind_names",
     "kind_words",
     "lean",
@@ -33,4 +35,5 @@ __all__ = [
     "planarity_percent",
     "star_defect",
     "torsion",
+    "translation_defect",
 ]

@@ -141,3 +141,25 @@ def interior_angles(mesh: Mesh) -> Floats:
     back = mesh.vertices[mesh.corners[mesh.corner_previous]] - here
     side = np.einsum("cx,cx->c", np.cross(ahead, back), mesh.face_normals[mesh.corner_face])
     return np.where(side < 0, 2 * np.pi - mesh.corner_angles, mesh.corner_angles)
+
+
+@checked
+def translation_defect(mesh: Mesh) -> Floats:
+    """How far quads are from parallelograms: |x_12 - x_1 - x_2 + x| in percent of the mean side.
+
+    All zero: a translation net, x_ij = p_i + q_j. 0 for faces that are no quads.
+
+    Returns
+    -------
+    (F,) [%]
+
+    Source: mathematics.md 8.1.
+    """
+    result = np.zeros(mesh.n_faces)
+    ids = np.flatnonzero(mesh.face_sizes == _QUAD)
+    if len(ids):
+        p = mesh.vertices[mesh.corners[mesh.face_start[ids, None] + np.arange(_QUAD)]]
+        gap = np.linalg.norm(p[:, 0] - p[:, 1] + p[:, 2] - p[:, 3], axis=1)
+        side = np.linalg.norm(np.roll(p, -1, axis=1) - p, axis=-1).mean(axis=1)
+        result[ids] = 100.0 * gap / np.where(side > 0, side, 1.0)
+    return result

@@ -5,12 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from ddgfab.arguments import checked
+from ddgfab.measures.edge_offset import edge_offset_kinds
 from ddgfab.measures.edges import dihedral_angles
-from ddgfab.measures.faces import chebyshev_defect, circular_defect, planarity_percent
-from ddgfab.measures.vertices import conical_defect, star_defect
+from ddgfab.measures.faces import (
+    chebyshev_defect,
+    circular_defect,
+    planarity_percent,
+    translation_defect,
+)
+from ddgfab.measures.vertices import conical_defect, isothermic_defect, star_defect
 from ddgfab.mesh import Mesh
 from ddgfab.tolerances import (
     NET_ANGLE_DEG,
+    NET_EDGE_OFFSET,
+    NET_ISOTHERMIC,
     NET_PLANAR_PERCENT,
     NET_SIDES_PERCENT,
     NET_STAR_DEG,
@@ -21,9 +29,9 @@ from ddgfab.tolerances import (
 def kind_names(mesh: Mesh) -> tuple[str, ...]:
     """Short names of all kinds of net that the mesh is within tolerance, the most telling first.
 
-    Of: flat, conical, circular, planar, K-net, A-net, Chebyshev, equal-angle-sums, quad, triangle,
-    polygon. Tolerances: `NET_PLANAR_PERCENT`, `NET_ANGLE_DEG`, `NET_STAR_DEG`,
-    `NET_SIDES_PERCENT`.
+    Of: flat, conical, circular, planar, Koebe, edge-offset, isothermic, translation, K-net, A-net,
+    Chebyshev, equal-angle-sums, quad, triangle, polygon. Tolerances: `NET_PLANAR_PERCENT`,
+    `NET_ANGLE_DEG`, `NET_STAR_DEG`, `NET_SIDES_PERCENT`, `NET_EDGE_OFFSET`, `NET_ISOTHERMIC`.
     """
     quads = bool((mesh.face_sizes == 4).all())
     triangles = bool((mesh.face_sizes == 3).all())
@@ -36,11 +44,21 @@ def kind_names(mesh: Mesh) -> tuple[str, ...]:
     stars = has_inner and bool(star_defect(mesh).max() <= np.radians(NET_STAR_DEG))
     sides = quads and bool(chebyshev_defect(mesh).max() <= NET_SIDES_PERCENT)
     skew = quads and not planar
+    # Parallel to a Koebe net; one itself.
+    curved = planar and has_inner and not flat and not triangles
+    offset, koebe = edge_offset_kinds(mesh, NET_EDGE_OFFSET) if curved else (False, False)
+    four = bool((~mesh.boundary_vertex & (mesh.valences == 4)).any())
+    isothermic = quads and four and bool(isothermic_defect(mesh).max() <= NET_ISOTHERMIC)
+    translated = quads and bool(translation_defect(mesh).max() <= NET_SIDES_PERCENT)
     found = {
         "flat": planar and flat,
         "conical": planar and conical and not flat and not triangles,
         "circular": planar and circular and not triangles,
         "planar": planar and not triangles,
+        "Koebe": koebe,
+        "edge-offset": offset,
+        "isothermic": planar and circular and isothermic,
+        "translation": translated,
         "K-net": skew and stars and sides,
         "A-net": skew and stars,
         "Chebyshev": sides,
@@ -54,8 +72,23 @@ def kind_names(mesh: Mesh) -> tuple[str, ...]:
 
 @checked
 def kind_words(mesh: Mesh, names: tuple[str, ...] | None = None) -> str:
-    """One line for people: the kind of net, its polygons, how planar it is."""
+    """One line for people: the kind of net, its polygons, how planar it is, what else it is."""
     names = kind_names(mesh) if names is None else names
+    also = [words for name, words in _ALSO.items() if name in names]
+    if "Koebe" in names:
+        also.remove(_ALSO["edge-offset"])
+    return "; ".join([_main_words(mesh, names), *also])
+
+
+_ALSO = {
+    "Koebe": "Koebe net (edges touch one sphere)",
+    "edge-offset": "parallel to a Koebe net (edge offset)",
+    "isothermic": "isothermic",
+    "translation": "translation net",
+}
+
+
+def _main_words(mesh: Mesh, names: tuple[str, ...]) -> str:
     percent = float(planarity_percent(mesh).max())
     polygons = "quads" if "quad" in names else "polygons"
     planar = f"{polygons}, planar to {percent:.2g} %"

@@ -76,3 +76,35 @@ def star_defect(mesh: Mesh) -> Floats:
         sine = np.abs(np.einsum("nkj,nj->nk", ways, normal)).max(axis=1)
         result[ids] = np.arcsin(np.minimum(sine, 1.0))
     return result
+
+
+@checked
+def isothermic_defect(mesh: Mesh) -> Floats:
+    """How far the cross-ratios round each interior vertex are from labels of a grid's lines.
+
+    |log(q_0 q_1 q_2 q_3)| with q_k = (|e_k| |opposite|) / (|e_(k+1)| |opposite|) of the quads
+    between successive edges e_k of a vertex with four of them. On a circular net |q| is the
+    absolute cross-ratio, and all zero means |q| = |alpha_i / beta_j| in each grid: an isothermic
+    net. 0 at other vertices, and where a face at the vertex is no quad.
+
+    Returns
+    -------
+    (V,)
+
+    Source: Bobenko, Pinkall 1996; mathematics.md 6.1.
+    """
+    result = np.zeros(mesh.n_vertices)
+    inner = np.flatnonzero(~mesh.boundary_vertex & (mesh.valences == _QUAD))
+    if not len(inner):
+        return result
+    corners = _star_corners(mesh, inner, _QUAD)
+    quads = (mesh.face_sizes[mesh.corner_face[corners]] == _QUAD).all(axis=1)
+    inner, corners = inner[quads], corners[quads]
+    length = np.log(mesh.edge_lengths[mesh.corner_edge])
+    follow = mesh.corner_next
+    one, two = follow[corners], follow[follow[corners]]
+    last = follow[two]
+    # Corner edges of a quad from the vertex: own, next, opposite to own, opposite to next.
+    ratio = length[corners] + length[two] - length[one] - length[last]
+    result[inner] = np.abs(ratio.sum(axis=1))
+    return result

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from ddgfab.measures.edge_offset import koebe_field
 from ddgfab.support.asymptotic import edge_bend
 from ddgfab.support.choose import SupportKind, support_structure
-from ddgfab.support.edge import beam_heights, edge_axes, koebe_field
+from ddgfab.support.edge import beam_heights, edge_axes
 from ddgfab.support.even import even_lean
 from ddgfab.support.exact import cone_axes, reflected_axes
 from ddgfab.support.nearest_axes import OptimizeOptions, optimize

@@ -21,6 +21,7 @@ from ddgfab.tolerances import (
     LEAN_LIMIT_DEG,
     LEAN_UPRIGHT_DEG,
     NET_ANGLE_DEG,
+    NET_EDGE_OFFSET,
     NET_PLANAR_PERCENT,
 )
 
@@ -32,7 +33,7 @@ LEAN_EQUAL_DEG: Final = 1e-6
 _EXACT = {
     "normal": reflected_axes,
     "axis": cone_axes,
-    "edge": edge_axes,
+    "edge": lambda mesh: edge_axes(mesh, NET_EDGE_OFFSET),
     "offset": parallel_axes,
 }
 
@@ -127,7 +128,7 @@ def _objection(mesh: Mesh, kind: str) -> str:
         return _defect("face", "circular", circular_defect(mesh))
     if kind == "edge":
         try:
-            edge_axes(mesh)
+            edge_axes(mesh, NET_EDGE_OFFSET)
         except DegenerateError as error:
             return str(error)
     if kind == "axis":

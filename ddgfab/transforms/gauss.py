@@ -14,9 +14,9 @@ from ddgfab.arguments import checked
 from ddgfab.curvature import Curvatures, steiner_curvatures
 from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.measures import circular_defect, conical_defect, planarity_percent
+from ddgfab.measures.edge_offset import koebe_field
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.offsets import Element, classify_offset
-from ddgfab.support.edge import koebe_field
 from ddgfab.support.exact import cone_field, smoothest_normals
 from ddgfab.support.parallel import parallel_field
 from ddgfab.tolerances import NET_ANGLE_DEG, NET_PLANAR_PERCENT
@@ -89,7 +89,7 @@ def mesh_curvatures(
 
     Source: mathematics.md 8.2.
     """
-    return steiner_curvatures(mesh, gauss_image(mesh, kind, tolerance))
+    return steiner_curvatures(mesh, gauss_image(mesh, kind, tolerance), tolerance)
 
 
 def _exact(mesh: Mesh, element: Element, tolerance: float) -> Floats:

@@ -1,5 +1,7 @@
 """Every public function refuses arguments of the neighboring wrong type by their name.
 
+A function that fails here lacks the decorator `ddgfab.arguments.checked`.
+
 The right and wrong values come from a table of this test; the functions from the packages.
 """
 

@@ -79,23 +79,27 @@ def skew_polygons() -> Mesh:
         # Constant azimuth steps: conical as well (mathematics.md 2.9); unequal ones: circular only.
         (
             revolution(np.linspace(0, 2, 8)),
-            ("conical", "circular", "planar", "quad"),
+            ("conical", "circular", "planar", "isothermic", "quad"),
             "conical and circular net (quads, planar to ",
         ),
         (
             revolution(np.array([0, 0.2, 0.6, 0.7, 1.3])),
-            ("circular", "planar", "quad"),
+            ("circular", "planar", "isothermic", "quad"),
             "circular net (quads, planar to ",
         ),
         (
             translation(),
-            ("planar", "Chebyshev", "quad"),
+            ("planar", "translation", "Chebyshev", "quad"),
             "planar quad mesh (PQ mesh, conjugate net; planar to ",
         ),
         (paraboloid(), ("A-net", "quad"), "A-net along asymptotic lines (quads, not planar"),
         (pseudosphere(), ("K-net", "A-net", "Chebyshev", "quad"), "K-net: A-net along"),
         (bumpy(), ("quad",), "general quad mesh, not planar, up to "),
-        (flat(), ("flat", "planar", "Chebyshev", "quad"), "flat mesh (quads, planar to "),
+        (
+            flat(),
+            ("flat", "planar", "translation", "Chebyshev", "quad"),
+            "flat mesh (quads, planar to ",
+        ),
         (triangles(), ("triangle",), "triangle mesh"),
         (skew_polygons(), ("polygon",), "general polygon mesh, not planar, up to "),
     ],

@@ -90,7 +90,7 @@ class SkewParallelogram:
 
 @checked
 def skew_parallelogram(
-    x: ArrayLike, x1: ArrayLike, x2: ArrayLike, x12: ArrayLike
+    x: ArrayLike, x1: ArrayLike, x2: ArrayLike, x12: ArrayLike, *, tolerance: float = NET_INPUT
 ) -> SkewParallelogram:
     """The half-turn of a quad with equal opposite sides.
 
@@ -100,6 +100,8 @@ def skew_parallelogram(
     Parameters
     ----------
     x, x1, x2, x12 : (3,)
+    tolerance : on the difference of opposite sides, relative, and on what counts as planar; six
+        digits in a file need about 1e-5
 
     Raises
     ------
@@ -122,25 +124,25 @@ def skew_parallelogram(
     if sides.min() <= RELATIVE_DEGENERATE * sides.max():
         raise DegenerateError(f"side {names[int(sides.argmin())]} has no length: {sides.min():.3g}")
     for k in (0, 1):
-        if abs(sides[k] - sides[k + 2]) > NET_INPUT * sides[k]:
+        if abs(sides[k] - sides[k + 2]) > tolerance * sides[k]:
             raise InputError(
                 f"no skew parallelogram: sides {names[k]} and {names[k + 2]} are {sides[k]:.9g} "
-                f"and {sides[k + 2]:.9g} long (limit {NET_INPUT:g} of the length)"
+                f"and {sides[k + 2]:.9g} long (limit {tolerance:g} of the length)"
             )
     first, second = 0.5 * (corners[0] + corners[2]), 0.5 * (corners[1] + corners[3])
     diagonals = corners[2] - corners[0], corners[3] - corners[1]
     size = float(sides.max())
     volume = abs(float(np.linalg.det(np.stack([*diagonals, corners[1] - corners[0]]))))
-    planar = volume <= NET_INPUT * size**3
+    planar = volume <= tolerance * size**3
     axis = second - first
     if planar:
-        if float(np.linalg.norm(axis)) > NET_INPUT * size:
+        if float(np.linalg.norm(axis)) > tolerance * size:
             raise DegenerateError(
                 "the quad is a planar antiparallelogram (two of its sides cross) and belongs to no "
-                f"K-net: volume of its diagonals {volume:.3g}, limit {NET_INPUT * size**3:.3g}"
+                f"K-net: volume of its diagonals {volume:.3g}, limit {tolerance * size**3:.3g}"
             )
         axis = np.cross(*diagonals)
-        if not float(np.linalg.norm(axis)) > NET_INPUT * size**2:
+        if not float(np.linalg.norm(axis)) > tolerance * size**2:
             raise DegenerateError("all four corners of the quad lie on a line: no half-turn axis")
     return SkewParallelogram(
         corners, 0.5 * (first + second), axis / np.linalg.norm(axis), bool(planar)

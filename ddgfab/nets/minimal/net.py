@@ -13,7 +13,7 @@ from ddgfab.errors import DegenerateError, InputError
 from ddgfab.measures import mixed_areas, oriented_areas
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.nets.koebe.grids import catenoid_koebe, enneper_koebe
-from ddgfab.nets.sisothermic import SIsothermic, integrate
+from ddgfab.nets.sisothermic import CLOSING, SIsothermic, integrate
 from ddgfab.nets.sisothermic_labels import checked_labels
 from ddgfab.tolerances import COORDINATE_LIMIT, NET_INPUT
 
@@ -134,7 +134,12 @@ class MinimalNet:
 
 @checked
 def minimal_surface(
-    gauss: SIsothermic, *, angle: float = 0.0, labels: Ints | None = None, scale: float = 1.0
+    gauss: SIsothermic,
+    *,
+    angle: float = 0.0,
+    labels: Ints | None = None,
+    scale: float = 1.0,
+    tolerance: float | None = None,
 ) -> MinimalNet:
     """The discrete minimal surface with a Koebe net as Gauss image: its dual.
 
@@ -144,6 +149,8 @@ def minimal_surface(
     angle : of the associated family [rad]
     labels : (E,) alternating signs; found by default. Other signs give the mirror point image.
     scale : factor on the dual; 1: edges e / (r_i r_j)
+    tolerance : by which edges may miss the sphere, and the surface its closing in parts of its
+        diameter; by default `NET_INPUT` and `CLOSING`, for files of six digits about 1e-4
 
     Raises
     ------
@@ -161,23 +168,26 @@ def minimal_surface(
     sine = np.abs(np.einsum("ex,ex->e", gauss.contacts, gauss.mesh.edge_vectors))
     miss = np.maximum(off, sine / gauss.mesh.edge_lengths)
     worst = int(miss.argmax())
-    if not miss[worst] <= NET_INPUT:
+    limit = NET_INPUT if tolerance is None else tolerance
+    if not miss[worst] <= limit:
         raise DegenerateError(
             f"the Gauss image is no Koebe net: edge {worst} misses the unit sphere by "
-            f"{miss[worst]:.1e} (limit {NET_INPUT:g})"
+            f"{miss[worst]:.1e} (limit {limit:g})"
         )
     signs = checked_labels(gauss.mesh, labels)
     if not (np.isfinite(scale) and scale != 0):
         raise InputError(f"scale {scale}: a number other than zero is needed")
-    return _integrated(gauss, signs, angle, scale)
+    return _integrated(gauss, signs, angle, scale, CLOSING if tolerance is None else tolerance)
 
 
-def _integrated(gauss: SIsothermic, labels: Ints, angle: float, scale: float) -> MinimalNet:
+def _integrated(
+    gauss: SIsothermic, labels: Ints, angle: float, scale: float, limit: float = CLOSING
+) -> MinimalNet:
     i, j = gauss.mesh.edges.T
     edges = (scale * labels / (gauss.radii[i] * gauss.radii[j]))[:, None] * gauss.mesh.edge_vectors
     if angle != 0.0:
         edges = np.cos(angle) * edges + np.sin(angle) * np.cross(gauss.contacts, edges)
-    points, closing = integrate(gauss.mesh, edges)
+    points, closing = integrate(gauss.mesh, edges, limit)
     return MinimalNet(gauss.mesh.with_vertices(points), gauss, labels, angle, scale, closing)
 
 
