@@ -111,9 +111,12 @@ def _check(hint: Any) -> Check:
         return callable
     if hint in _SIMPLE:
         return _SIMPLE[hint]
-    if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
-        return lambda value: isinstance(value, hint)
-    return callable if getattr(hint, "_is_protocol", False) and _has_call(hint) else _anything
+    if getattr(hint, "_is_protocol", False):
+        members = {name for base in hint.__mro__[:-1] for name in vars(base) if name[:1] != "_"}
+        members |= {name for name in typing.get_type_hints(hint) if name[:1] != "_"}
+        members |= {"__call__"} & set(vars(hint))
+        return lambda value: all(hasattr(value, name) for name in members)
+    return (lambda value: isinstance(value, hint)) if isinstance(hint, type) else _anything
 
 
 def _listed(origin: Any, parts: tuple[Any, ...]) -> Check:
@@ -164,10 +167,6 @@ def _whole(value: Any) -> bool:
 
 def _anything(value: Any) -> bool:
     return True
-
-
-def _has_call(hint: Any) -> bool:
-    return "__call__" in vars(hint)
 
 
 _SIMPLE: Final[dict[Any, Check]] = {
