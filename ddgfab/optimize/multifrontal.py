@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg.blas import dgemv, dsyrk, dtrsm, dtrsv
 from scipy.linalg.lapack import dpotrf
 from scipy.sparse import coo_array, csr_array
@@ -29,7 +30,9 @@ class _Block:
     ----------
     pivots, border : unknowns
     entries : slice of the entries of the matrix, in the order of `_Analysis`, that belong here
-    into : where they go in the ((p + b), p) block of columns of the pivots, by columns
+    inside : (e,) which of them lie between pivots
+    into : (i,) where those go in the (p, p) block, by columns
+    outside : (o,) where the others go in the (b, p) block, by columns
     children : (number of a front, where its border is in pivots and border: runs in a row, as
         (first of the border, first of here, length))
     """
@@ -37,7 +40,9 @@ class _Block:
     pivots: Ints
     border: Ints
     entries: slice
+    inside: NDArray[np.bool_]
     into: Ints
+    outside: Ints
     children: tuple[tuple[int, list[list[int]]], ...]
 
 
@@ -81,10 +86,12 @@ class _Analysis:
             local[border] = len(pivots) + np.arange(len(border))
             entries = slice(int(ends[at]), int(ends[at + 1]))
             mine = kept[entries]
-            height = len(pivots) + len(border)
-            into = local[rows[mine]] + height * local[pattern.indices[mine]]
+            row, column = local[rows[mine]], local[pattern.indices[mine]]
+            inside = row < len(pivots)
+            into = (row + len(pivots) * column)[inside]
+            outside = (row - len(pivots) + len(border) * column)[~inside]
             below = tuple((c, _runs(local[sets[c][1]], len(pivots))) for c in fronts[at].children)
-            self.blocks.append(_Block(pivots, border, entries, into, below))
+            self.blocks.append(_Block(pivots, border, entries, inside, into, outside, below))
 
 
 def _runs(where: Ints, pivots: int) -> list[list[int]]:
@@ -190,22 +197,28 @@ def _eliminated(
 ) -> tuple[Floats, Floats, Floats | None]:
     """Columns of the factor of a front, and what is left for the front above."""
     size, rest = len(block.pivots), len(block.border)
-    flat = np.zeros((size + rest) * size)
-    flat[block.into] = values
-    columns = flat.reshape((size + rest, size), order="F")
+    first, second = np.zeros(size * size), np.zeros(rest * size)
+    first[block.into] = values[block.inside]
+    second[block.outside] = values[~block.inside]
+    first = first.reshape((size, size), order="F")
+    second = second.reshape((rest, size), order="F")
     below = np.zeros((rest, rest), order="F")
     for child, runs in block.children:
         update = updates.pop(child)
         for k, (there, here, width) in enumerate(runs):
             source = update[:, there : there + width]
-            shift = 0 if here < size else size
-            target = (columns if here < size else below)[:, here - shift : here - shift + width]
+            upper, lower = first[:, here : here + width], second[:, here : here + width]
+            if here >= size:
+                lower = below[:, here - size : here - size + width]
             for at, row, height in runs[k:]:  # the lower triangle alone
-                target[row - shift : row - shift + height] += source[at : at + height]
-    first, info = dpotrf(columns[:size], lower=1, clean=0)
+                if row < size:
+                    upper[row : row + height] += source[at : at + height]
+                else:
+                    lower[row - size : row - size + height] += source[at : at + height]
+    first, info = dpotrf(first, lower=1, clean=0, overwrite_a=1)
     if info != 0:
         raise DegenerateError("the matrix of a linear system is not positive definite")
     if not rest:
-        return first, np.zeros((0, size)), None
-    second = dtrsm(1.0, first, columns[size:], side=1, lower=1, trans_a=1)
+        return first, second, None
+    second = dtrsm(1.0, first, second, side=1, lower=1, trans_a=1, overwrite_b=1)
     return first, second, dsyrk(-1.0, second, beta=1.0, c=below, lower=1, overwrite_c=1)
