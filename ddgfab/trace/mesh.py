@@ -22,6 +22,7 @@ from ddgfab.trace.cells import cells
 from ddgfab.trace.crossings import crossings
 from ddgfab.trace.lines import Line
 from ddgfab.trace.placing import Network
+from ddgfab.trace.slivers import without_slivers
 
 Tag: TypeAlias = Literal["inner", "rim", "corner"]
 TAGS: Final[tuple[Tag, ...]] = ("inner", "rim", "corner")
@@ -284,6 +285,7 @@ def _cleaned(points: Floats, rank: Ints, faces: list[Ints]) -> tuple[list[Ints],
         ring = ring[ring != np.roll(ring, 1)]
         if len(np.unique(ring)) >= 3:
             out.append(ring)
+    out = without_slivers(points, rank, out)
     out = _without_passing(out, rank)
     return out, np.unique(np.concatenate(out)) if out else np.zeros(0, dtype=np.int64)
 

@@ -63,20 +63,26 @@ class Quality:
             f"planarity     mean {mean:.3g} %, greatest {greatest:.3g} % (inner faces)",
             f"families      meet at {self.least_angle_deg:.1f} deg or more",
         ]
+        rows += [f"note          {remark}" for remark in self.remarks()]
+        return "\n".join(rows)
+
+    def remarks(self) -> tuple[str, ...]:
+        """What a designer must know: uncertain directions, umbilics, spirals; a sentence each."""
+        rows = []
         if self.undetermined_percent > 0:
             rows.append(
-                f"directions    uncertain on {self.undetermined_percent:.1f} % of the surface "
+                f"directions are uncertain on {self.undetermined_percent:.1f} % of the surface "
                 f"(anisotropy below {DETERMINED:g})"
             )
         for (x, y, z), index, doubtful in self.umbilics:
             note = ", near the rim: doubtful" if doubtful else ""
             rows.append(
-                f"umbilic       ({x:.6g}, {y:.6g}, {z:.6g}), index {index:+g}: a cell of "
+                f"umbilic at ({x:.6g}, {y:.6g}, {z:.6g}), index {index:+g}: a cell of "
                 f"{4 * (1 - index):g} corners{note}"
             )
         if self.spirals:
-            rows.append(f"spirals       {self.spirals} lines were cut at 3 diameters")
-        return "\n".join(rows)
+            rows.append(f"{self.spirals} spirals were cut at 3 diameters")
+        return tuple(rows)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 def make_command(
     source: Annotated[
         Path | None,
-        typer.Argument(help="Project (TOML) or mesh (OBJ, OFF, PLY); none: the built-in example."),
+        typer.Argument(
+            help="Project (TOML), mesh (OBJ, OFF, PLY), surface (STEP, IGES); none: an example."
+        ),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder; default outputs/<project>.")

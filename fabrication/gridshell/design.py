@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,14 +21,16 @@ from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
 from ddgfab.support import SupportKind, SupportStructure, support_structure
+from ddgfab.trace import trace
 from fabrication.families import families
 from fabrication.gridshell.detailing import Gridshell, detail
 from fabrication.gridshell.load import load_project, project_for_mesh
 from fabrication.gridshell.optimized import optimized_mesh
-from fabrication.gridshell.project import MESH, Project
+from fabrication.gridshell.project import MESH, SURFACE, Project
 from fabrication.gridshell.schedules import schedules
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family
+from fabrication.surfaces_in.find import find_surface
 from fabrication.table import Table
 
 if TYPE_CHECKING:
@@ -232,6 +235,8 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
         Parameters of a generated net that fit their limits but not each other; names the cell.
     """
     named: Path | None = None
+    if mesh is None and project.net.kind == SURFACE:
+        return _traced(project)
     if mesh is None and project.net.kind != MESH:
         folder = Path() if project.file is None else project.file.parent
         mesh = generate(project.net.kind, project.net.parameters, folder)
@@ -259,6 +264,24 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     if read is None:
         return NetInput(mesh.scaled(factor), None, None, _notes(project))
     return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes)
+
+
+def _traced(project: Project) -> NetInput:
+    """The net traced on the project's surface."""
+    net = project.net
+    source: str | Path = net.surface if project.mesh_path is None else project.mesh_path
+    surface = find_surface(source, net.parameters, net.face)
+    found = trace(
+        surface,
+        (net.spacing_mm, net.spacing_across_mm or net.spacing_mm),
+        along=net.along,
+        turn=None if net.turn_deg is None else math.radians(net.turn_deg),
+    )
+    notes = tuple(f"net traced on {surface.name}: {row}" for row in found.quality.remarks())
+    if isinstance(source, str):
+        return NetInput(found.mesh, None, None, notes)
+    digest = hashlib.sha256(source.read_bytes()).hexdigest()
+    return NetInput(found.mesh, str(source), digest, notes)
 
 
 def _notes(project: Project) -> tuple[str, ...]:

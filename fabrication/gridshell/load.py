@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from pydantic import ValidationError
 
 from ddgfab.errors import ProjectError
 from ddgfab.forms.registry import ParameterError, find_generator, kinds
-from fabrication.gridshell.project import MESH, NetSettings, Project
+from fabrication.gridshell.project import MESH, SURFACE, NetSettings, Project
 from fabrication.project.load import (
     changed,
     explain,
@@ -20,9 +20,15 @@ from fabrication.project.load import (
     show,
     unknown,
 )
+from fabrication.surfaces_in.find import CAD_SUFFIXES
 
 KIT = "linkage"
 """The section that makes a project one of a linkage (`fabrication.linkage`), not of a gridshell."""
+
+
+TRACED_GOAL: Final[dict[str, Any]] = {"goal": "planar", "flat_percent": 0.0}
+"""[optimize] of a project that traces its net on a surface, where it has none: the net is planar
+to third order, made exactly planar it has axes without torsion."""
 
 
 def load_project(
@@ -42,14 +48,17 @@ def load_project(
 
 
 def project_for_mesh(path: str | Path, sections: Mapping[str, Any] | None = None) -> Project:
-    """Project with all defaults for a mesh file; `sections` holds values to change by section.
+    """Project with all defaults for a mesh or surface file; `sections` changes values.
 
     Raises
     ------
     ProjectError
         An unknown section, key or value in `sections`.
     """
-    return make_project({"net": {"kind": "mesh", "file": str(path)}, **(sections or {})})
+    kind = SURFACE if Path(path).suffix.lower() in CAD_SUFFIXES else MESH
+    changes = dict(sections or {})
+    net = {"kind": kind, "file": str(path), **changes.pop("net", {})}
+    return make_project({"net": net, **changes})
 
 
 def make_project(sections: Mapping[str, Any]) -> Project:
@@ -81,6 +90,9 @@ def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project
                     file=name,
                     line=find_line(text, ("project", "units")),
                 )
+        elif sections["net"].get("kind") == SURFACE:
+            sections["net"] = _traced(sections["net"])
+            sections.setdefault("optimize", dict(TRACED_GOAL))
         elif "parameters" in sections["net"]:
             raise ProjectError(
                 unknown("[net] parameters", "parameters", NetSettings.keys()),
@@ -90,6 +102,14 @@ def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project
         return Project.model_validate({**sections, "file": file}, strict=None)
     except ValidationError as error:
         raise explain(error, Project, name, text) from None
+
+
+def _traced(net: dict[str, Any]) -> dict[str, Any]:
+    """Gathers a surface's own parameters, which stand in [net] beside kind."""
+    own = NetSettings.surface_keys()
+    given = dict(net.pop("parameters", {}))
+    given |= {key: net.pop(key) for key in list(net) if key not in own}
+    return {**net, "parameters": given} if given else net
 
 
 def _generated(net: dict[str, Any], name: str | None, text: str) -> dict[str, Any]:

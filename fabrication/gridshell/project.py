@@ -31,7 +31,10 @@ VertexIds = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(strict=Fals
 BoltSize = Literal["none", "M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
 
 MESH: Final = "mesh"
-"""The kind of net that is read from a file; all others are generated."""
+"""The kind of net that is read from a file."""
+
+SURFACE: Final = "surface"
+"""The kind of net that is traced on a surface; all others are generated."""
 
 
 class GeneralSettings(Section):
@@ -69,24 +72,41 @@ class NetSettings(Section):
     Attributes
     ----------
     kind : "mesh" (a file), or a kind that `ddgfab net --list` shows: "canopy" (the built-in
-        example), "circular", "conical", "translation", ...
-    file : OBJ, OFF or PLY, relative to the project file
-    parameters : of the generator; in the file they stand in [net] beside kind
+        example), "circular", "conical", "translation", ..., or "surface": a net is traced on one
+    file : OBJ, OFF or PLY, for "surface" STEP or IGES; relative to the project file
+    parameters : of the generator, or of the surface; in the file they stand in [net] beside kind
+    surface : "surface": its name, of those that `ddgfab trace --list` shows, instead of a file
+    spacing_mm, spacing_across_mm : "surface": distance of neighboring lines, of the first family
+        and of the second
+    face : "surface": which face of the file, from 0
+    along : "surface": normal of planes; one family is the sections, the other conjugate to it
+    turn_deg : "surface": angle of one family to the principal directions, the other is conjugate
     """
 
     kind: str = MESH
     file: Path | None = Field(default=None, strict=False)
     parameters: dict[str, Any] = Field(default_factory=dict)
+    surface: str = ""
+    spacing_mm: Positive = 1500.0
+    spacing_across_mm: Positive | None = None
+    face: Annotated[int, Field(ge=0)] | None = None
+    along: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)] | None = None
+    turn_deg: Finite | None = None
 
     @classmethod
     def keys(cls) -> set[str]:
-        """Without `parameters`, which no file may name: they stand beside kind."""
+        """Of a mesh: without `parameters`, which no file may name, and keys of surfaces."""
         return {"kind", "file"}
+
+    @classmethod
+    def surface_keys(cls) -> set[str]:
+        """Of kind = "surface", besides the parameters of the surface itself."""
+        return set(cls.model_fields) - {"parameters"}
 
     @field_validator("kind")
     @classmethod
     def _known(cls, value: str) -> str:
-        known = (MESH, *kinds())
+        known = (MESH, SURFACE, *kinds())
         if value not in known:
             raise ValueError(f'"{value}" is unknown; {suggestion(value, known)}')
         return value
@@ -95,6 +115,12 @@ class NetSettings(Section):
     def _source(self) -> NetSettings:
         if self.kind == MESH and self.file is None:
             raise ValueError('kind = "mesh" needs file = "..."')
+        if self.kind == SURFACE:
+            if (self.file is None) == (not self.surface):
+                raise ValueError('kind = "surface" needs file = "..." or surface = "dome"')
+            return self
+        if own := sorted(self.model_fields_set & (self.surface_keys() - self.keys())):
+            raise ValueError(f'{own[0]} is for kind = "surface", not for "{self.kind}"')
         if self.kind != MESH and self.file is not None:
             raise ValueError(f'file is for kind = "mesh", not for "{self.kind}"')
         return self
