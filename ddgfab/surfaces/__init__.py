@@ -33,6 +33,7 @@ from ddgfab.surfaces.minimal import (
     smooth_scherk_tower,
     smooth_schwarz_p,
 )
+from ddgfab.surfaces.sequences import KSequence, baecklund_sequence, smooth_darboux
 from ddgfab.surfaces.sine_gordon import (
     baecklund_angle,
     breather_angle,
@@ -43,11 +44,13 @@ from ddgfab.surfaces.sine_gordon import (
 )
 
 __all__ = [
+    "KSequence",
     "KSurface",
     "Weierstrass",
     "amsler",
     "amsler_angle",
     "baecklund_angle",
+    "baecklund_sequence",
     "breather",
     "breather_angle",
     "breather_lines",
@@ -65,6 +68,7 @@ __all__ = [
     "rotational_lines",
     "sine_gordon_defect",
     "smooth_catenoid",
+    "smooth_darboux",
     "smooth_dual",
     "smooth_enneper",
     "smooth_isothermic_residuals",

@@ -62,6 +62,15 @@ def _points(surface: Surface, u: Floats, v: Floats) -> Floats:
     return x
 
 
+def smooth_frame(
+    surface: Surface, u: Floats, v: Floats, step: float
+) -> tuple[Floats, Floats, Floats]:
+    """Points and first derivatives (..., 3) in u and in v; refuses lines that stand still."""
+    d1, d2 = _derivatives(surface, u, v, step)
+    _speeds(d1, d2, u, v)
+    return _points(surface, u, v), d1, d2
+
+
 @checked
 def smooth_isothermic_residuals(
     surface: Surface, u: ArrayLike, v: ArrayLike, *, step: float = STEP

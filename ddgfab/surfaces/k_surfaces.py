@@ -160,6 +160,12 @@ def surface_of(solution: Solution, u: ArrayLike, v: ArrayLike) -> KSurface:
     Source: Gauss and Weingarten equations with E = G = 1, F = cos phi, M = sin phi; mathematics.md
     5.5.
     """
+    points, _, normals = frames_of(solution, u, v)
+    return KSurface(points, normals)
+
+
+def frames_of(solution: Solution, u: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Points, tangents x_u and normals (M, N, 3) of `surface_of`."""
     p, q = increasing(u, "u"), increasing(v, "v")
 
     def along_u(s: float, y: Floats) -> Floats:
@@ -178,7 +184,8 @@ def surface_of(solution: Solution, u: ArrayLike, v: ArrayLike) -> KSurface:
     first = integrated(along_u, np.array([0.0, 0, 0, 1, 0, 0, 0, 0, 1]), p)
     across = integrated(along_v, first.reshape(-1, 3, 3).transpose(1, 0, 2).ravel(), q)
     found = across.reshape(len(q), 3, len(p), 3).transpose(1, 2, 0, 3)
-    return KSurface(np.ascontiguousarray(found[0]), np.ascontiguousarray(found[2]))
+    points, tangents, normals = (np.ascontiguousarray(part) for part in found)
+    return points, tangents, normals
 
 
 @checked
