@@ -82,7 +82,15 @@ def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
     zeros = _newton(
         samples.surface, samples.uv[cells[:, 0], cells[:, 1]] + samples.cell / 2, samples.cell
     )
-    groups = _clusters(zeros / samples.cell)
+    inside = samples.surface.trim.inside(zeros)
+    groups = [group for group in _clusters(zeros / samples.cell) if inside[group].any()]
+    if len(groups) > _MANY:
+        u, v = zeros[groups[0][0]]
+        raise DegenerateError(
+            f"{samples.surface.name}: {len(groups)} umbilics: a line of umbilics, or noise (near "
+            f"u = {u:.4g}, v = {v:.4g})\ngive directions: --along X,Y,Z (plane sections), or "
+            "change the surface there"
+        )
     found = []
     for group in groups:
         uv = zeros[group].mean(axis=0)
@@ -91,16 +99,8 @@ def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
             if len(group) > 1:
                 uv = _newton(samples.surface, uv[None], samples.cell)[0]
             x = samples.surface.points(uv[None])[0]
-            found.append(
-                Umbilic((float(uv[0]), float(uv[1])), tuple(map(float, x)), total / 2)  # type: ignore[arg-type]
-            )
-    if len(groups) > _MANY:
-        u, v = zeros[groups[0][0]]
-        raise DegenerateError(
-            f"{samples.surface.name}: {len(groups)} umbilics: it has a line of umbilics (near "
-            f"u = {u:.4g}, v = {v:.4g})\ngive directions: --along X,Y,Z (plane sections), or "
-            "change the surface there"
-        )
+            place = (float(x[0]), float(x[1]), float(x[2]))
+            found.append(Umbilic((float(uv[0]), float(uv[1])), place, total / 2))
     return tuple(sorted(found, key=lambda umbilic: umbilic.uv))
 
 

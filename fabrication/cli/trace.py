@@ -15,7 +15,8 @@ from fabrication.cli.common import Debug, app, errors, toml_value
 @app.command("trace")
 def trace_command(
     surface: Annotated[
-        str | None, typer.Argument(help="STEP or IGES file, or a surface by name; see --list.")
+        str | None,
+        typer.Argument(help="STEP, IGES or mesh file, or a surface by name; see --list."),
     ] = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", help="OBJ, OFF or PLY to write.")

@@ -7,17 +7,22 @@ from pathlib import Path
 from typing import Any, Final
 
 from ddgfab.errors import InputError
+from ddgfab.io import read_mesh
 from ddgfab.surfaces.analytic import SURFACES, named_surface
+from ddgfab.surfaces.fit import fit_mesh
 from ddgfab.surfaces.spline import SplineSurface
 
 CAD_SUFFIXES: Final = (".step", ".stp", ".iges", ".igs")
 """Files that the CAD kernel reads."""
 
+MESH_SUFFIXES: Final = (".obj", ".off", ".ply")
+"""Meshes, to which a smooth surface is fitted."""
+
 
 def find_surface(
     source: str | Path, parameters: Mapping[str, Any] | None = None, face: int | None = None
 ) -> SplineSurface:
-    """The surface of a name (`SURFACES`) or of a STEP or IGES file [mm].
+    """The surface of a name (`SURFACES`) of a STEP or IGES file, or fitted to a mesh [mm].
 
     Parameters
     ----------
@@ -39,11 +44,16 @@ def find_surface(
         from fabrication.surfaces_in.cad import read_cad_surface
 
         return read_cad_surface(Path(text), face)
+    if suffix in MESH_SUFFIXES:
+        if parameters or face is not None:
+            raise InputError("parameters and faces are not for meshes", file=text)
+        return fit_mesh(read_mesh(Path(text)).mesh, name=Path(text).name).surface
     if face is not None:
         raise InputError(f"face {face}: only STEP and IGES files have faces")
+    known = (*CAD_SUFFIXES, *MESH_SUFFIXES)
     if suffix and text not in SURFACES:
         raise InputError(
-            f'unknown kind of surface file "{suffix}"; known: {", ".join(CAD_SUFFIXES)}, or a '
+            f'unknown kind of surface file "{suffix}"; known: {", ".join(known)}, or a '
             f"surface by name: {', '.join(SURFACES)}"
         )
     return named_surface(text, parameters)
