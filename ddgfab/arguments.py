@@ -188,7 +188,7 @@ def _message(function: Callable[..., Any], name: str, value: Any, hint: Any) -> 
     kind = "array" if _array_like(hint) else wanted.rpartition(" ")[2]
     advice = _INSTEAD.get((type(value).__name__, kind), "")
     return (
-        f"{function.__name__}: {name} is {_given(value)}; {wanted} is needed"
+        f"{function.__qualname__}: {name} is {_given(value)}; {wanted} is needed"
         f"{f' ({advice})' if advice else ''}"
     )
 

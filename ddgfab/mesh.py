@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ddgfab.arguments import checked, is_numeric
 from ddgfab.errors import MeshError
 
 Floats = NDArray[np.float64]
@@ -77,12 +78,19 @@ class Mesh:
             No faces, fewer than three corners, ids out of range, coordinates that are not finite,
             an edge with three faces or with two that run the same way, a vertex where sheets meet.
         """
+        if not is_numeric(vertices):
+            raise MeshError(
+                f"vertices of type {type(vertices).__name__}; (V, 3) numbers are needed"
+            )
         points = np.array(vertices, dtype=np.float64)
         if points.ndim != 2 or points.shape[1] != 3:
             raise MeshError(f"vertices have shape {points.shape}; expected (V, 3)")
-        if len(faces) == 0:
+        try:
+            sizes = np.array([len(face) for face in faces], dtype=np.int64)
+        except TypeError:
+            raise MeshError("faces: a list of lists of vertex ids is needed") from None
+        if len(sizes) == 0:
             raise MeshError("the mesh has no faces")
-        sizes = np.array([len(face) for face in faces], dtype=np.int64)
         if sizes.min() < 3:
             raise MeshError(f"face {int(sizes.argmin())} has {int(sizes.min())} corners; 3 needed")
         flat = np.concatenate([np.asarray(face) for face in faces])
@@ -417,6 +425,7 @@ class Mesh:
         return extent(self.vertices[self.valences > 0])
 
     # --- new meshes --------------------------------------------------------------------------
+    @checked
     def with_vertices(self, vertices: ArrayLike) -> Mesh:
         """The same faces on other (V, 3) vertices."""
         points = np.array(vertices, dtype=np.float64)
@@ -424,6 +433,7 @@ class Mesh:
             raise MeshError(f"vertices have shape {points.shape}; expected {self.vertices.shape}")
         return Mesh(_frozen(points), self.corners, self.face_start)
 
+    @checked
     def scaled(self, factor: float) -> Mesh:
         """The mesh with all coordinates times a factor."""
         return self.with_vertices(self.vertices * factor)

@@ -70,6 +70,7 @@ class Net:
     periodic: tuple[bool, ...]
 
     @staticmethod
+    @checked
     def build(points: ArrayLike, periodic: Sequence[bool] | None = None) -> Net:
         """Net of an array (n1, ..., nd, dim), d > 0, dim > 1; checked and copied.
 
@@ -139,10 +140,12 @@ class Net:
                 x = np.concatenate([x, np.take(x, [0], axis=axis)], axis=axis)
         return x.astype(dtype or np.float64, copy=bool(copy) and x is self.points)
 
+    @checked
     def shift(self, axis: int, step: int = 1) -> Floats:
         """x_k: the points `step` forward; see `shift`."""
         return shift(self.points, axis, step, periodic=self._closed(axis))
 
+    @checked
     def difference(self, axis: int) -> Floats:
         """Delta_k x, the edges of a direction; see `difference`."""
         return difference(self.points, axis, periodic=self._closed(axis))
@@ -193,6 +196,7 @@ class Net:
         return grid_mesh(self.points, (self.periodic[0], self.periodic[1]))
 
     @staticmethod
+    @checked
     def from_mesh(mesh: Mesh) -> Net:
         """Net of a rectangular quad mesh, whatever the order of its vertices and faces.
 

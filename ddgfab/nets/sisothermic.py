@@ -38,6 +38,7 @@ class SIsothermic:
     radii: Floats
 
     @staticmethod
+    @checked
     def of(mesh: Mesh, tolerance: float = NET_INPUT) -> SIsothermic:
         """The s-isothermic net on a mesh, with the radii that its incircles give.
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, SupportError
 from ddgfab.measures import lean, torsion
 from ddgfab.mesh import Floats, Ints, Mesh, unit
@@ -38,6 +39,7 @@ class SupportStructure:
     history: tuple[float, ...]
 
     @staticmethod
+    @checked
     def of(
         mesh: Mesh,
         axes: ArrayLike,

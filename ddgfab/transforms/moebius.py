@@ -91,6 +91,7 @@ class Moebius:
     before: Moebius | None = None
 
     @staticmethod
+    @checked
     def similarity(
         rotation: ArrayLike | None = None, scale: float = 1.0, shift: ArrayLike = (0.0, 0.0, 0.0)
     ) -> Moebius:
@@ -110,6 +111,7 @@ class Moebius:
         return Moebius(scale * turn, np.array(shift, dtype=np.float64))
 
     @staticmethod
+    @checked
     def inversion(centre: ArrayLike, radius: float) -> Moebius:
         """Inversion in a sphere (see `invert`).
 
@@ -124,6 +126,7 @@ class Moebius:
         return Moebius(radius**2 * np.eye(3), c, c)
 
     @staticmethod
+    @checked
     def reflection(point: ArrayLike, normal: ArrayLike) -> Moebius:
         """Reflection in the plane through a point across a normal of any length.
 
@@ -150,6 +153,7 @@ class Moebius:
         """Radius of the sphere of an inversion, sqrt(a)."""
         return float(self.square**0.25)
 
+    @checked
     def __call__(self, points: ArrayLike) -> Floats:
         """(..., 3) images of points.
 
@@ -168,6 +172,7 @@ class Moebius:
             x = x / square
         return np.asarray(x @ self.matrix.T + self.shift)
 
+    @checked
     def normals(self, points: ArrayLike, normals: ArrayLike) -> Floats:
         """(..., 3) unit normals at the images of points, carried along with the surface."""
         n = np.asarray(normals, dtype=np.float64)

@@ -183,3 +183,24 @@ def test_right_types_of_every_make_pass() -> None:
         take(POINTS)  # type: ignore[call-arg]
     with pytest.raises(ArgumentError, match=r"take: t is of type tuple; \(an integer, a number\)"):
         take(1, 1, 1, [], (1, 2.0, 3))  # type: ignore[arg-type]
+
+
+def test_constructors_and_methods_name_what_is_wrong() -> None:
+    flat: Any = POINTS.reshape(-1, 3)
+    cases: list[tuple[Callable[[], Any], str]] = [
+        (lambda: Mesh.build(flat, 3), "faces: a list of lists"),  # type: ignore[arg-type]
+        (lambda: Mesh.build(flat, [0, 1, 2]), "faces: a list of lists"),  # type: ignore[list-item]
+        (lambda: Mesh.build("a", [[0, 1, 2]]), "vertices of type str"),
+        (lambda: Mesh.build(MESH, MESH.faces), "vertices of type Mesh"),  # type: ignore[arg-type]
+        (lambda: MESH.with_vertices(MESH), r"Mesh\.with_vertices: vertices is of type Mesh"),  # type: ignore[arg-type]
+        (lambda: MESH.scaled("2"), "'2'; a number is needed"),  # type: ignore[arg-type]
+        (lambda: Net.build(MESH), r"Net\.build: points is of type Mesh"),  # type: ignore[arg-type]
+        (lambda: Net.from_mesh(POINTS), r"grid_mesh\(points\)"),  # type: ignore[arg-type]
+        (lambda: nets.SIsothermic.of(POINTS), r"SIsothermic\.of: mesh"),  # type: ignore[arg-type]
+        (lambda: transforms.Moebius.inversion(MESH, 1.0), "centre is of type Mesh"),  # type: ignore[arg-type]
+        (lambda: transforms.Moebius.inversion([9, 9, 9], 1.0)(MESH), "points is of type Mesh"),  # type: ignore[arg-type]
+        (lambda: Net.build(POINTS).shift("u"), "axis is 'u'; an integer is needed"),  # type: ignore[arg-type]
+    ]
+    for call, message in cases:
+        with pytest.raises(DdgError, match=message):
+            call()
