@@ -302,6 +302,10 @@ def _advice(
         return (("flat", float(f"{1.1 * best:.2g}")),) if best else ()
     if keep != "close" and not (isinstance(keep, float | int) and keep <= 0.2):
         return (("keep", "close"),)
+    small = Frame.of(result.original).inside(result.original)
+    fair = [Weights.of(small, k).fair for k in (keep, _CLOSEST)]
+    if fair[1] < 0.5 * fair[0]:
+        return (("keep", _CLOSEST),)
     edge = result.change.edge
     finest = result.prices[-1] if result.prices else None
     for price in reversed(result.prices):
@@ -339,6 +343,8 @@ def _remarks(result: OptimizeResult) -> tuple[str, ...]:
     return tuple(out)
 
 
+_CLOSEST: Final = 0.1
+"""What to keep where "close" is too far from the surface: shorter waves crease as well."""
 _CREASED_DEG: Final = 20.0
 """Changes of dihedral angles [deg] that people see."""
 _STRETCHED: Final = 0.6

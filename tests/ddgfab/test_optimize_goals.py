@@ -270,6 +270,18 @@ def test_the_advice_helps() -> None:
     assert options
 
 
+def test_after_close_an_even_closer_number_is_advised() -> None:
+    """A dome whose conical net is far off: what is named next is nearer."""
+    mesh = dome(24)
+    far = [0.01, 0.02]
+    limits = {"distance_limit": (far[0], far[1]), "throw": False}
+    first = optimize(mesh, "conical", keep="close", **limits)  # type: ignore[arg-type]
+    assert first.advice == (("keep", 0.1),)
+    second = optimize(mesh, "conical", keep=0.1, **limits)  # type: ignore[arg-type]
+    assert second.change.distance_mean < first.change.distance_mean
+    assert second.advice != first.advice
+
+
 def test_few_faces_a_wave_keep_their_waves_when_asked_to() -> None:
     """20 x 12 cells over two waves: "close" stays within the limits where the default does not."""
     mesh = roof(20, 12, rise=0.8)
