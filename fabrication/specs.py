@@ -9,7 +9,7 @@ share a shape through `fabrication.families`. Each kind with its shapes is one r
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, Self, TypeAlias
 
@@ -162,6 +162,11 @@ class Check:
     value: float | str | None = None
     limit: float | str | None = None
     other: str | None = None
+
+
+def rejected(pieces: Iterable[Piece]) -> frozenset[str]:
+    """Marks of the pieces beyond a limit."""
+    return frozenset(p.mark for p in pieces if not all(check.passed for check in p.checks))
 
 
 @dataclass(frozen=True)

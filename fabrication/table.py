@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, overload
 
@@ -92,6 +92,29 @@ class Table(Sequence[Row]):
     def with_column(self, name: str, value: Callable[[Row], Any]) -> Table:
         """The table with one more column, computed from each row."""
         return Table([{**row, name: value(row)} for row in self.rows], self.name)
+
+    def with_status(
+        self,
+        rejected: Collection[str],
+        marks: Callable[[Row], Sequence[str]] = lambda r: [r["mark"]],
+    ) -> Table:
+        """The table with a column "status" after "number": "ok", or "rejected" with the marks.
+
+        Parameters
+        ----------
+        rejected : marks of pieces that failed a check or a limit
+        marks : the pieces that a row is about
+        """
+        rows = []
+        for row in self.rows:
+            own = marks(row)
+            bad = [mark for mark in own if mark in rejected]
+            named = "" if len(bad) == len(own) else f": {' '.join(bad)}"
+            status = {"status": f"rejected{named}" if bad else "ok"}
+            at = list(row).index("number") + 1 if "number" in row else len(row)
+            items = list(row.items())
+            rows.append(dict([*items[:at], *status.items(), *items[at:]]))
+        return Table(rows, self.name)
 
     def to_csv(self, path: str | Path) -> None:
         """Write as CSV (UTF-8, comma, dot decimals).

@@ -36,6 +36,9 @@ FAILED: Final = "failed"
 FAILED_COLOR: Final[Color] = (0.85, 0.10, 0.10)
 """Their color."""
 
+REJECTED_KIND: Final = Kind("rejected", "", "", "Rejected", FAILED_COLOR)
+"""Group, layer and color of such pieces in CAD files, whatever kind they are of."""
+
 KG_PER_MM3: Final = 1e-9
 """Times a density [kg/m3]."""
 
@@ -148,12 +151,15 @@ class Whole:
     plates: Sequence[Sequence[Standing]] = ()
     problems: tuple[str, ...] = ()
 
-    def passed(self) -> Iterator[Standing]:
-        """The pieces without those that failed."""
+    def standing(self) -> Iterator[Standing]:
+        """All pieces that are put together."""
         for family in self.families:
             for instance in family.instances:
-                if instance.mark not in self.failed:
-                    yield family.number, instance.mark, instance.placement
+                yield family.number, instance.mark, instance.placement
+
+    def passed(self) -> Iterator[Standing]:
+        """The same without those that failed."""
+        return (piece for piece in self.standing() if piece[1] not in self.failed)
 
 
 class Format:

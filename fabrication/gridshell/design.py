@@ -29,7 +29,7 @@ from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.project import MESH, SURFACE, Project
 from fabrication.gridshell.schedules import schedules
 from fabrication.progress import Progress, silent
-from fabrication.specs import Family
+from fabrication.specs import Family, rejected
 from fabrication.surfaces_in.find import find_surface
 from fabrication.table import Table
 
@@ -97,8 +97,13 @@ class Design:
 
     @cached_property
     def schedules(self) -> dict[str, Table]:
-        """The schedules "panels", "beams" and "nodes": plain dictionaries as rows."""
-        return schedules(self.gridshell, self.families)
+        """The schedules "panels", "beams" and "nodes": plain dictionaries as rows.
+
+        Their status is that of the limits; solids and clearances are checked by the job.
+        """
+        beyond = rejected(self.gridshell.pieces)
+        tables = schedules(self.gridshell, self.families)
+        return {name: table.with_status(beyond) for name, table in tables.items()}
 
     @property
     def beams(self) -> Table:

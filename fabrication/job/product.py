@@ -47,6 +47,13 @@ class Product(ABC):
     def schedules(self, masses: Mapping[str, float]) -> Mapping[str, Table]:
         """Schedules by name, with the masses [kg] of the part numbers."""
 
+    def marks_of(self, row: Mapping[str, Any]) -> Sequence[str]:
+        """The pieces that a row of a schedule is about: its mark, or all of its part number."""
+        if "mark" in row:
+            return [row["mark"]]
+        own = (f for f in self.families if f.number == row.get("number"))
+        return [instance.mark for family in own for instance in family.instances]
+
     @abstractmethod
     def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:
         """Checks of the distances between pieces, by mark; `meshes` by part number."""

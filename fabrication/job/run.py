@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from fabrication.formats import registry
-from fabrication.formats.base import Format, Part, Whole
+from fabrication.formats.base import REJECTED_KIND, Format, Part, Whole
 from fabrication.job.folder import OutputFolder, safe_name
 from fabrication.job.manifest import (
     MANIFEST,
@@ -23,7 +23,7 @@ from fabrication.job.manifest import (
 )
 from fabrication.job.part import PARTS, Made, Shop, make_parts, read_back
 from fabrication.job.pool import Workers, worker_pool
-from fabrication.job.problems import Problem, problems_of
+from fabrication.job.problems import SHOWN, Problem, problems_of
 from fabrication.job.product import Design, Product
 from fabrication.job.whole import draw, write_whole
 from fabrication.progress import Progress, silent
@@ -241,7 +241,7 @@ class _Job:
             families=product.placed,
             shown=product.shown,
             failed=failed,
-            tables={name: table.rows for name, table in tables.items()},
+            tables={n: t.with_status(failed, product.marks_of).rows for n, t in tables.items()},
             plates=product.plates,
         )
 
@@ -287,12 +287,13 @@ class _Job:
                 extra += found
                 lines += _lines(found)
         self.tell("manifest", 0, 0)
-        manifest = self._manifest(checks, extra, problems)
+        manifest = self._manifest(whole.failed, checks, extra, problems)
         write_manifest(self.shop.folder / MANIFEST, manifest)
         return JobResult(self.target, manifest, tuple(lines), tuple(self.warnings))
 
     def _manifest(
         self,
+        failed: frozenset[str],
         checks: dict[str, list[Check]],
         extra: Sequence[Check],
         problems: Sequence[Problem],
@@ -309,7 +310,8 @@ class _Job:
             libraries=(*product.libraries, *self.libraries),
         )
         manifest["problems"] = [problem.to_dict() for problem in problems]
-        manifest["notes"] = [*product.notes, *self.warnings]
+        manifest["rejected"] = sorted(failed)
+        manifest["notes"] = [*_rejections(sorted(failed)), *product.notes, *self.warnings]
         return manifest
 
     @contextmanager
@@ -335,4 +337,17 @@ def _lines(checks: Sequence[Check]) -> list[str]:
         f"{c.name}: {c.value}" + ("" if c.limit is None else f" (limit {c.limit})")
         for c in checks
         if not c.passed
+    ]
+
+
+def _rejections(failed: Sequence[str]) -> list[str]:
+    """What became of the pieces that failed, for people."""
+    if not failed:
+        return []
+    more = f" and {len(failed) - SHOWN} more" if len(failed) > SHOWN else ""
+    return [
+        f"{len(failed)} {'part is' if len(failed) == 1 else 'parts are'} rejected "
+        f"({', '.join(failed[:SHOWN])}{more}): do not order "
+        f"{'it' if len(failed) == 1 else 'them'}. Schedules have the status, files of part numbers "
+        f"are in {REJECTED}/, in the assembly their layer is {REJECTED_KIND.layer}"
     ]

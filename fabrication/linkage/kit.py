@@ -19,13 +19,13 @@ from fabrication.linkage.links import Linkage
 from fabrication.linkage.plates import Plate, Printed
 from fabrication.linkage.printing import PRINTED_CHORD_MM, laid_out
 from fabrication.linkage.project import KitProject, kit_kinds, load_kit_project, make_kit_project
-from fabrication.linkage.schedules import kit_schedules
+from fabrication.linkage.schedules import kit_schedules, marks_of
 from fabrication.linkage.widen import MovingLinkage, moved, widened
 from fabrication.motion.free_range import Contact, FreeMotion
 from fabrication.parts.pin import PIN
 from fabrication.progress import Progress, silent
 from fabrication.solids import mesh_of
-from fabrication.specs import Family, Instance, Role
+from fabrication.specs import Family, Instance, Role, rejected
 from fabrication.standards import density, mass_kg
 from fabrication.table import Table
 
@@ -90,13 +90,17 @@ class Kit:
 
     @cached_property
     def schedules(self) -> dict[str, Table]:
-        """The schedules "bom", "links", "hinges" and "assembly"; masses of solid parts."""
+        """The schedules "bom", "links", "hinges" and "assembly"; masses of solid parts.
+
+        Their status is that of the limits; solids and clearances are checked by the job.
+        """
         from fabrication.solids import volume_of
 
         masses = {
             f.number: mass_kg(volume_of(f.shape), self.density(f.role)) for f in self.families
         }
-        return kit_schedules(self.linkage, masses)
+        beyond, tables = rejected(self.linkage.pieces), kit_schedules(self.linkage, masses)
+        return {name: table.with_status(beyond, marks_of) for name, table in tables.items()}
 
     def density(self, role: Role) -> float:
         """Density [kg/m3] of what parts of a role are made of."""

@@ -17,7 +17,7 @@ from fabrication.linkage.page import Html, MovingScene
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.linkage.scene import lying_broad, moving_scene, report_page
-from fabrication.linkage.schedules import kit_schedules
+from fabrication.linkage.schedules import kit_schedules, marks_of
 from fabrication.motion.free_range import poses_to_confirm
 from fabrication.parts.pin import PIN
 from fabrication.specs import Check, Family, Role, TriangleMesh
@@ -47,6 +47,10 @@ class KitProduct(Product):
     def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
         """See `fabrication.linkage.schedules`."""
         return kit_schedules(self.kit.linkage, masses)
+
+    def marks_of(self, row: Mapping[str, Any]) -> list[str]:
+        """All of a part number, a link, a part or a pin."""
+        return marks_of(dict(row))
 
     @cached_property
     def placed(self) -> tuple[Family, ...]:

@@ -53,6 +53,13 @@ def kit_schedules(linkage: Linkage, masses: Masses) -> dict[str, Table]:
     }
 
 
+def marks_of(row: Row) -> list[str]:
+    """The pieces that a row of a schedule is about: all of a part number, a link, part or pin."""
+    if "marks" in row:
+        return str(row["marks"]).split()
+    return [str(row[key]) for key in ("mark", "part", "pin") if key in row][:1]
+
+
 def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
     """A row a part number: how many, its main dimensions, where it belongs.
 

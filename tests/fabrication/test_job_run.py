@@ -132,8 +132,20 @@ def test_parts_beyond_a_limit_are_rejected_not_flattened(tmp_path: Path) -> None
     import cadquery as cq
 
     assembly = cq.Assembly.importStep(str(result.folder / "assembly.step"))
-    names = {name.split("/")[-1] for name in assembly.objects}
-    assert not failed.keys() & names
+    paths = {tuple(name.split("/")) for name in assembly.objects}
+    assert {path[-1] for path in paths if "Rejected" in path[:-1]} >= failed.keys()
+    marks = {part["mark"] for part in manifest["parts"]}
+    assert not {path[-1] for path in paths if "Rejected" in path[:-1]} & (marks - failed.keys())
+    assert marks <= {path[-1] for path in paths}
+    for name in ("panels", "beams", "nodes"):
+        with (result.folder / "schedules" / f"{name}.csv").open(encoding="utf-8", newline="") as f:
+            rows = list(csv.DictReader(f))
+        assert {r["mark"] for r in rows if r["status"] == "rejected"} == {
+            mark for mark in failed if mark in {r["mark"] for r in rows}
+        }
+        assert {r["status"] for r in rows} <= {"ok", "rejected"}
+    assert manifest["rejected"] == sorted(failed)
+    assert f"{len(failed)} parts are rejected" in manifest["notes"][0]
 
 
 def test_an_interrupted_job_leaves_nothing(small_design: Design, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ products, listed in the manifest, and opened by `ddgfab check`.
 
 from __future__ import annotations
 
+import csv
 import hashlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -122,7 +123,7 @@ def test_what_reading_back_finds_changes_the_files_of_the_whole(
     tri: Triangles, tmp_path: Path
 ) -> None:
     """They were written when every piece had passed so far, so they must be written again."""
-    made = design(barrel(1, 2), output={"formats": ["tri", "step"]})
+    made = design(barrel(1, 2), output={"formats": ["tri", "step", "csv"]})
     result = spoilt_job(made, tri, "PP-001", tmp_path / "roof")
     bad = {p["mark"] for p in result.manifest["parts"] if p["number"] == "PP-001"}
     good = {p["mark"] for p in result.manifest["parts"]} - bad
@@ -130,10 +131,15 @@ def test_what_reading_back_finds_changes_the_files_of_the_whole(
     assert sorted(index) == sorted(good)
     from fabrication.formats.step.read import read_step
 
-    placed = [name for _, name, _ in read_step(result.folder / "assembly.step").instances]
-    assert sorted(placed) == sorted(good)
+    content = read_step(result.folder / "assembly.step")
+    assert sorted(name for _, name, _ in content.instances) == sorted(good | bad)
+    assert {mark for mark, names in content.layers.items() if names == {"REJECTED"}} == bad
     whole = {c["name"]: c["value"] for c in result.manifest["checks"]["job"]}
-    assert whole["assembly marks"] == len(good)  # of the second assembly, not of the first
+    assert whole["assembly rejected"] == len(bad)  # of the second assembly, not of the first
+    with (result.folder / "schedules" / "panels.csv").open(encoding="utf-8", newline="") as file:
+        status = {row["mark"]: row["status"] for row in csv.DictReader(file)}
+    assert status == {mark: "rejected" if mark in bad else "ok" for mark in status}
+    assert set(status) >= bad
     assert len(result.problems) == 1
     assert result.problems[0].startswith("tri corners: 2 panels (limit ")
 

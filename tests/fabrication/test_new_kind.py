@@ -6,6 +6,7 @@ dimensions; its kind brings role, part numbers, group, layer and color.
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import struct
@@ -28,6 +29,7 @@ from fabrication.families import families
 from fabrication.formats.glb import glb_bytes
 from fabrication.formats.registry import defaults
 from fabrication.formats.step import Material, Product, assembly_bytes, part_bytes
+from fabrication.formats.step.read import read_step
 from fabrication.formats.stl import stl_bytes
 from fabrication.formats.threemf import Body3MF, threemf_bytes
 from fabrication.job.problems import problems_of
@@ -339,4 +341,18 @@ def test_a_whole_job_with_a_piece_beyond_its_limit_and_a_clash(tmp_path: Path) -
     assert len(result.problems) == 2
     assert result.problems[0].startswith("clearance to gussets: 1 gusset (limit 1 mm): G-0000/")
     assert result.problems[1].startswith("slope: 1 gusset (limit 10 deg): G-0004 12 deg")
-    assert (tmp_path / "brackets" / "rejected" / "step" / "GP-004.step").exists()
+    folder = tmp_path / "brackets"
+    assert (folder / "rejected" / "step" / "GP-004.step").exists()
+    with (folder / "schedules" / "brackets.csv").open(encoding="utf-8", newline="") as file:
+        status = {row["number"]: row["status"] for row in csv.DictReader(file)}
+    assert status == {
+        "GP-001": "rejected: G-0005 G-0000",  # two of three
+        "GP-002": "ok",
+        "GP-003": "ok",
+        "GP-004": "rejected",
+        "NP-001": "ok",
+    }
+    content = read_step(folder / "assembly.step")
+    apart = {mark for mark, names in content.layers.items() if names == {"REJECTED"}}
+    assert apart == {"G-0000", "G-0004", "G-0005"} == set(result.manifest["rejected"])
+    assert content.layers["G-0001"] == {"GUSSETS"}  # its number is in the file twice

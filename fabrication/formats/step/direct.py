@@ -5,15 +5,16 @@ Parts without an exact boundary stand beside the others, with OCCT's text of the
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from ddgfab.errors import DdgError, KernelError
-from fabrication.formats.base import Header, Material, Schema
+from fabrication.formats.base import REJECTED_KIND, Header, Material, Schema
 from fabrication.formats.step.entities import (
     COMMON,
     COMMON_CONTEXT,
@@ -66,6 +67,7 @@ def assembly_bytes(
     *,
     name: str,
     file_name: str,
+    rejected: Collection[str] = (),
     header: Header | None = None,
     schema: Schema = "AP214",
 ) -> bytes:
@@ -77,6 +79,8 @@ def assembly_bytes(
     Parameters
     ----------
     instances : (part number, piece mark, (4, 4) placement [mm]) of every piece
+    rejected : marks of pieces that stand in the group Rejected, on the layer REJECTED; a part
+        number that has others too is in the file twice
 
     Raises
     ------
@@ -85,6 +89,13 @@ def assembly_bytes(
     DegenerateError
         A boundary has an edge without length, or a number that is not finite.
     """
+    instances = list(instances)
+    good = {number for number, mark, _ in instances if mark not in rejected}
+    bad = {number for number, mark, _ in instances if mark in rejected}
+    products = [
+        *(p for p in products if p.number in good or p.number not in bad),
+        *(replace(p, kind=REJECTED_KIND) for p in products if p.number in bad),
+    ]
     text = _Text(products)
     kinds = list(dict.fromkeys(product.kind for product in products))
     root = text.unit(name)
@@ -92,13 +103,17 @@ def assembly_bytes(
     for kind, group in groups.items():
         root.add(kind.title, group.definition, group.representation, np.eye(4))
     targets = {
-        product.number: (groups[product.kind], *text.references[index])
+        (product.number, product.kind == REJECTED_KIND): (
+            groups[product.kind],
+            *text.references[index],
+        )
         for index, product in enumerate(products)
     }
     for number, mark, placement in instances:
-        if number not in targets:
+        target = targets.get((number, mark in rejected))
+        if target is None:
             raise KernelError(f"piece {mark} is an instance of {number}, which has no solid")
-        unit, definition, representation = targets[number]
+        unit, definition, representation = target
         unit.add(mark, definition, representation, placement)
     for unit in (root, *groups.values()):
         unit.close()

@@ -1,4 +1,4 @@
-"""STEP as a format: a file a part number, and assembly.step of the pieces that passed."""
+"""STEP as a format: a file a part number, and assembly.step of all pieces."""
 
 from __future__ import annotations
 
@@ -41,16 +41,14 @@ class Step(Format):
         ]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
-        """The pieces that passed as instances; no file where none did."""
-        path, instances = folder / ASSEMBLY, list(whole.passed())
-        if not instances:
-            path.unlink(missing_ok=True)
-            return []
+        """All pieces as instances; those that failed are a group and a layer of their own."""
+        path, instances = folder / ASSEMBLY, list(whole.standing())
         used = {number for number, _, _ in instances}
         products = [_product(part) for number, part in whole.parts.items() if number in used]
         data = assembly_bytes(
             products,
             instances,
+            rejected=whole.failed,
             name=whole.about.project,
             file_name=path.name,
             header=whole.about.header,
@@ -63,9 +61,9 @@ class Step(Format):
         """Read back and compared piece by piece; see `check_step_assembly`."""
         expected = {
             mark: (number, whole.parts[number].properties.volume, at)
-            for number, mark, at in whole.passed()
+            for number, mark, at in whole.standing()
         }
-        return check_step_assembly(folder / ASSEMBLY, expected) if expected else []
+        return check_step_assembly(folder / ASSEMBLY, expected, whole.failed)
 
     def inspect(self, path: Path) -> FileReport:
         """Each product: solids, closed, valid, volume."""

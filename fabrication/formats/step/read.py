@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,7 +12,13 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from fabrication.checks.solid import SolidReport, inspect_solid
-from fabrication.formats.step.xcaf import components, free_labels, get_name, read_document
+from fabrication.formats.step.xcaf import (
+    components,
+    free_labels,
+    get_name,
+    layers_by_tag,
+    read_document,
+)
 from fabrication.specs import Check
 
 FILE_VOLUME_RELATIVE: Final = 1e-6
@@ -24,7 +31,7 @@ STEP_UNIT: Final = "millimetre"
 
 @dataclass(frozen=True)
 class StepProduct:
-    """A product read back: its name, what the kernel says of its shape, its color and layers."""
+    """A product read back: its name, and what the kernel says of its shape."""
 
     name: str
     report: SolidReport
@@ -37,11 +44,13 @@ class StepContent:
     products : one for each distinct part
     instances : (product name, component name, (4, 4) placement in the root's frame)
     unit : length unit of the file, "millimetre" for ours; several are joined by commas
+    layers : names of the layers of each component's shape, by the component's name
     """
 
     products: tuple[StepProduct, ...]
     instances: tuple[tuple[str, str, Floats], ...]
     unit: str
+    layers: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
 def read_step(path: Path, *, validate: bool = True) -> StepContent:
@@ -60,9 +69,15 @@ def read_step(path: Path, *, validate: bool = True) -> StepContent:
     document, units = read_document(path)
     products: dict[str, StepProduct] = {}
     instances: list[tuple[str, str, Floats]] = []
+    tags: list[str] = []
     for label in free_labels(document):
-        _walk(label, np.eye(4), get_name(label), products, instances, validate)
-    return StepContent(tuple(products.values()), tuple(instances), ", ".join(units))
+        _walk(label, np.eye(4), get_name(label), products, instances, tags, validate)
+    layers = layers_by_tag(document)
+    of_mark = {
+        mark: layers.get(tag, frozenset())
+        for (_, mark, _), tag in zip(instances, tags, strict=True)
+    }
+    return StepContent(tuple(products.values()), tuple(instances), ", ".join(units), of_mark)
 
 
 def check_step_part(
@@ -105,19 +120,21 @@ def _walk(
     name: str,
     products: dict[str, StepProduct],
     instances: list[tuple[str, str, Floats]],
+    tags: list[str],
     validate: bool,
 ) -> None:
-    """Collect products and placed instances below a label."""
+    """Collect products, placed instances and the tags of their shapes below a label."""
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
     if XCAFDoc_ShapeTool.IsAssembly_s(label):
         for component, target in components(label):
             placed = motion @ matrix(XCAFDoc_ShapeTool.GetLocation_s(component))
-            _walk(target, placed, get_name(component), products, instances, validate)
+            _walk(target, placed, get_name(component), products, instances, tags, validate)
         return
     product = get_name(label)
     instances.append((product, name, motion))
     entry = str(label.Tag())
+    tags.append(entry)
     if entry not in products:
         shape = XCAFDoc_ShapeTool.GetShape_s(label)
         products[entry] = StepProduct(product, inspect_solid(shape, validate=validate))

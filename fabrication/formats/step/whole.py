@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from ddgfab.errors import InputError
+from fabrication.formats.base import REJECTED_KIND
 from fabrication.formats.step.read import FILE_VOLUME_RELATIVE, STEP_UNIT, read_step
 from fabrication.specs import Check, Placement
 
@@ -20,7 +21,9 @@ PLACEMENT_ROTATION: Final = 1e-9
 
 
 def check_step_assembly(
-    path: Path, expected: Mapping[str, tuple[str, float, Placement]]
+    path: Path,
+    expected: Mapping[str, tuple[str, float, Placement]],
+    rejected: Collection[str] = (),
 ) -> list[Check]:
     """The checks of the whole: names, counts, placements, and each product closed, of right volume.
 
@@ -29,6 +32,7 @@ def check_step_assembly(
     Parameters
     ----------
     expected : by piece mark: part number, volume [mm3], (4, 4) placement
+    rejected : marks of the pieces that must be on the layer REJECTED, as no others are
     """
     try:
         content = read_step(path, validate=False)
@@ -52,7 +56,10 @@ def check_step_assembly(
         ),
         default=0.0,
     )
+    apart = {mark for mark, names in content.layers.items() if REJECTED_KIND.layer in names}
+    wanted = set(rejected) & expected.keys()
     return [
+        Check("assembly rejected", apart == wanted, float(len(apart)), float(len(wanted))),
         Check("assembly marks", marks, float(len(content.instances)), float(len(expected))),
         Check("assembly part numbers", not wrong, ", ".join(wrong[:3]) or None),
         Check("assembly solids closed", all(sound), float(sum(sound)), float(len(volumes))),

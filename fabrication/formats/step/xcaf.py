@@ -102,3 +102,20 @@ def components(label: Any) -> list[tuple[Any, Any]]:
         XCAFDoc_ShapeTool.GetReferredShape_s(component, target)
         pairs.append((component, target))
     return pairs
+
+
+def layers_by_tag(document: Any) -> dict[str, frozenset[str]]:
+    """Names of the layers of each shape, by the tag of its label."""
+    from OCP.TDF import TDF_LabelSequence
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    tool = XCAFDoc_DocumentTool.LayerTool_s(document.Main())
+    labels = TDF_LabelSequence()
+    XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetShapes(labels)
+    found = {}
+    for i in range(1, labels.Length() + 1):
+        names = tool.GetLayers(labels.Value(i))
+        if names is not None:
+            texts = (names.Value(k).ToExtString() for k in range(1, names.Length() + 1))
+            found[str(labels.Value(i).Tag())] = frozenset(map(str, texts))
+    return found
