@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import sys
 from collections.abc import Iterator
@@ -25,6 +26,12 @@ app = typer.Typer(
 DONE, FAILED, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes: every check passed; a check failed; bad usage or input; a fault of the program."""
 
+Anyway = Annotated[
+    bool,
+    typer.Option(
+        "--anyway", help="Go on where parts are beyond limits: they are made, and rejected."
+    ),
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
 
@@ -73,7 +80,7 @@ def errors(debug: bool) -> Iterator[None]:
     except DdgError as error:
         if debug:
             raise
-        typer.echo(f"error: {error}", err=True)
+        typer.echo(f"error: {_limits_text(error) or error}", err=True)
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt:
         typer.echo("interrupted: nothing was written", err=True)
@@ -93,6 +100,20 @@ def errors(debug: bool) -> Iterator[None]:
         raise typer.Exit(FAULT) from None
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+def _limits_text(error: Exception) -> str | None:
+    """The message of a job that stopped at limits, with the next commands; None for others."""
+    from fabrication.job.limits import LimitError
+
+    if not isinstance(error, LimitError):
+        return None
+    given = ["ddgfab", *sys.argv[1:]]
+    lines = [f"{error.summary}; nothing was made"]
+    if error.settings:
+        lines.append(f"Next: {shlex.join([*given, *error.arguments()])}")
+    lines.append(f"Or make the parts all the same, and reject them: {shlex.join(given)} --anyway")
+    return "\n".join(lines)
 
 
 @contextmanager

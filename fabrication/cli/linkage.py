@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fabrication.cli.common import Debug, app, comma_list, errors, progress, sections_of
+from fabrication.cli.common import Anyway, Debug, app, comma_list, errors, progress, sections_of
 
 if TYPE_CHECKING:
     from fabrication.job.run import JobResult
@@ -51,6 +51,7 @@ def linkage_command(
             "--set", help="Change a setting: linkage.design_deg=60, parts.label=none, ..."
         ),
     ] = None,
+    anyway: Anyway = False,
     debug: Debug = False,
 ) -> None:
     """A Bennett linkage, a 12-bar cube or a whole K-net as a kit that prints and moves."""
@@ -74,7 +75,7 @@ def linkage_command(
         kernel = needs_kernel(project.output.formats, checked=checked)
         with worker_pool(project.output.jobs, kernel=kernel) as pool:
             made = detail_kit(project, report)
-            result = make(made, output, pool=pool, progress=report)
+            result = make(made, output, pool=pool, progress=report, anyway=anyway)
         seconds = time.perf_counter() - begin
     _report(made, result, seconds)
     raise typer.Exit(result.exit_code)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fabrication.cli.common import Debug, app, comma_list, errors, progress, sections_of
+from fabrication.cli.common import Anyway, Debug, app, comma_list, errors, progress, sections_of
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Ints
@@ -38,6 +38,7 @@ def make_command(
         list[str] | None,
         typer.Option("--set", help="Change a setting: project.units=m, panel.kind=none, ..."),
     ] = None,
+    anyway: Anyway = False,
     debug: Debug = False,
 ) -> None:
     """From a mesh or project to checked CAD files and schedules."""
@@ -63,7 +64,7 @@ def make_command(
         kernel = needs_kernel(project.output.formats, checked=checked)
         with worker_pool(project.output.jobs, kernel=kernel) as pool:
             plan = design_net(project, load_net(project), report)
-            result = make(plan, output, pool=pool, progress=report)
+            result = make(plan, output, pool=pool, progress=report, anyway=anyway)
         seconds = time.perf_counter() - begin
     _report(plan, result, seconds)
     raise typer.Exit(result.exit_code)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,7 +12,9 @@ from fabrication.checks.assembly import check_assembly
 from fabrication.formats.base import Material
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.detailing.clearance import PANEL_CLEARANCE
+from fabrication.gridshell.remedies import remedies
 from fabrication.gridshell.schedules import schedules
+from fabrication.job.problems import Problem
 from fabrication.job.product import Product
 from fabrication.parts.beam import BEAM
 from fabrication.parts.node import NODE
@@ -86,6 +88,10 @@ class GridshellProduct(Product):
     def notes(self) -> list[str]:
         """Remarks of the reader and of the detailing."""
         return [*self.design.source.notes, *self.design.gridshell.problems]
+
+    def remedies(self, problems: Sequence[Problem]) -> list[tuple[str, str, Any]]:
+        """See `fabrication.gridshell.remedies`."""
+        return remedies(self.design, problems)
 
     def write_extra(self, folder: Path) -> list[str]:
         """A picture of what [optimize] did to the net."""

@@ -40,6 +40,15 @@ class Problem:
         rest = f" and {more} more" if more > 0 else ""
         return f"{name}: {len(self.parts)} {kind}{limit}: {shown}{rest}"
 
+    def short(self) -> str:
+        """The same with the worst part only."""
+        name, unit = _words(self.check)
+        limit = "" if self.limit is None else f" (limit {_number(self.limit)}{unit})"
+        mark, value = self.parts[0]
+        worst = mark if value is None else f"{mark} {_number(value)}{unit}"
+        kind = self.role + ("" if len(self.parts) == 1 else "s")
+        return f"{name}: {len(self.parts)} {kind}{limit}, worst {worst}"
+
     def to_dict(self) -> dict[str, Any]:
         """As the manifest keeps it."""
         return {

@@ -9,6 +9,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from fabrication.formats.base import About, Format, Header, Material, Standing
 from fabrication.formats.registry import find
+from fabrication.job.problems import Problem
 from fabrication.project.sections import OutputSettings, Verify
 from fabrication.specs import Check, Family, Piece, Role, TriangleMesh
 from fabrication.table import Table
@@ -95,6 +96,10 @@ class Product(ABC):
     def checks(self) -> list[Check]:
         """Checks of the whole that need no files."""
         return []
+
+    def remedies(self, problems: Sequence[Problem]) -> Sequence[tuple[str, str, Any]]:
+        """(section, key, value) of settings that help where pieces are beyond limits."""
+        return ()
 
     def write_extra(self, folder: Path) -> list[str]:
         """Write files of the product's own; returns what could not be written."""

@@ -14,6 +14,7 @@ from typing import Any, Final, TypeVar
 from fabrication.formats import registry
 from fabrication.formats.base import REJECTED_KIND, Format, Part, Whole
 from fabrication.job.folder import OutputFolder, safe_name
+from fabrication.job.limits import check_limits
 from fabrication.job.manifest import (
     MANIFEST,
     build_manifest,
@@ -79,6 +80,7 @@ def make(
     jobs: int = 1,
     pool: Workers | None = None,
     progress: Progress | None = None,
+    anyway: bool = False,
 ) -> JobResult:
     """Parts, checks and files of a design; the folder appears complete or not at all.
 
@@ -90,15 +92,20 @@ def make(
         caller, as always with multiprocessing
     pool : what `worker_pool` gave, to be used instead of `jobs`
     progress : called as (step, done, of)
+    anyway : go on where pieces are beyond limits of the project; they are made, and rejected
 
     Raises
     ------
+    LimitError
+        Pieces are beyond limits that are known before parts are made; names what helps.
     OutputError
         The folder cannot be written or is not ours to replace; nothing is changed then.
     DdgError
         A part cannot be made, or a package is missing that a format needs.
     """
     product = design if isinstance(design, Product) else design.product()
+    if not anyway:
+        check_limits(product)
     target = Path(folder) if folder is not None else Path("outputs") / safe_name(product.name)
     formats = tuple(product.format(name) for name in product.output.formats)
     verified = product.verify != "none"

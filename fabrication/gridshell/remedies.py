@@ -1,0 +1,78 @@
+"""Which settings help where pieces of a gridshell are beyond limits that the net decides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from fabrication.gridshell.design import Design
+from fabrication.gridshell.pieces import Panel
+from fabrication.job.problems import Problem
+from fabrication.parts.panel import least_rectangle
+
+LARGEST_PANE_MM: Final = 50_000.0
+"""A pane longer than this means that the mesh is in another unit."""
+
+_QUAD: Final = 4
+
+
+def remedies(design: Design, problems: Sequence[Problem]) -> list[tuple[str, str, Any]]:
+    """(section, key, value) of the settings that help.
+
+    A net that is not planar, or whose node axes lean, is optimized: torsion-free where the axes are
+    at fault, as no change of the faces alone rights them. Where that was done already, or is not
+    possible, and for all other limits, the limit that the net keeps is named.
+    """
+    worst = {problem.check: problem.parts[0][1] for problem in problems}
+    goal, found = design.project.optimize.goal, []
+    panes = [] if "size_mm" not in worst else [_sides(p) for p in design.gridshell.panels]
+    if panes and max(long for _, long in panes) > LARGEST_PANE_MM:
+        return [_unit(design)]
+    quads = bool((design.mesh.face_sizes == _QUAD).all())
+    straight = design.support.kind != "normals"  # those of asymptotic nets twist by their nature
+    axes = bool({"lean_deg", "torsion_deg"} & worst.keys()) and straight
+    if axes and quads and goal != "torsion-free":
+        found.append(("optimize", "goal", "torsion-free"))
+    elif "planarity_percent" in worst and not axes and goal == "none":
+        found.append(("optimize", "goal", "planar"))
+    else:
+        found += _limits(worst)
+    if "least_angle_deg" in worst:
+        found.append(("checks", "min_angle_deg", _number(worst["least_angle_deg"], math.floor)))
+    if panes:
+        wide, long = (math.ceil(max(sides) / 10.0) * 10 for sides in zip(*panes, strict=True))
+        found.append(("panel", "max_size_mm", [wide, long]))
+    return found
+
+
+def _limits(worst: dict[str, float | str | None]) -> list[tuple[str, str, Any]]:
+    """The limits of planarity, lean and torsion that the pieces keep."""
+    keys = {
+        "planarity_percent": ("checks", "flat_percent"),
+        "lean_deg": ("support", "lean_limit_deg"),
+        "torsion_deg": ("checks", "torsion_deg"),
+    }
+    return [
+        (*keys[name], _number(value, math.ceil)) for name, value in worst.items() if name in keys
+    ]
+
+
+def _number(value: float | str | None, step: Callable[[float], int]) -> float:
+    """A value rounded to the next tenth, up or down."""
+    return step(10.0 * float(value or 0.0)) / 10.0
+
+
+def _sides(panel: Panel) -> tuple[float, float]:
+    """Smaller and larger side [mm] of the least rectangle round a pane."""
+    corners = np.concatenate([panel.shape.inner, panel.shape.outer])
+    small, large = least_rectangle(corners).tolist()
+    return small, large
+
+
+def _unit(design: Design) -> tuple[str, str, Any]:
+    """The unit that the mesh seems to be in."""
+    settings = design.project.project
+    return ("project", "units", "mm") if settings.units == "m" else ("project", "scale", 0.001)

@@ -1,0 +1,61 @@
+"""Limits that are known before a part is made: the job stops there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ddgfab.errors import DdgError
+from fabrication.job.problems import Problem, problems_of
+from fabrication.job.product import Product
+
+
+class LimitError(DdgError):
+    """Pieces are beyond limits of the project, so that nothing was made.
+
+    Attributes
+    ----------
+    summary : the limits, with how many pieces are beyond them and the worst, in one line
+    problems : the same in full
+    settings : (section, key, value) with which the limits may be kept
+    """
+
+    def __init__(
+        self, problems: Sequence[Problem], settings: Sequence[tuple[str, str, Any]]
+    ) -> None:
+        self.summary = "; ".join(problem.short() for problem in problems)
+        self.problems, self.settings = tuple(problems), tuple(settings)
+        lines = [f"{self.summary}; nothing was made"]
+        if settings:
+            what = ", ".join(f"{section}.{key} = {show(value)}" for section, key, value in settings)
+            lines.append(f"What helps: {what}")
+        lines.append("To make the parts all the same, and reject them: anyway=True")
+        super().__init__("\n".join(lines))
+
+    def arguments(self) -> list[str]:
+        """The settings as arguments of the command line."""
+        return [
+            argument
+            for section, key, value in self.settings
+            for argument in ("--set", f"{section}.{key}={show(value)}")
+        ]
+
+
+def check_limits(product: Product) -> None:
+    """Raise where pieces are beyond limits.
+
+    Raises
+    ------
+    LimitError
+        Names limits and pieces, the worst first, and the settings that help.
+    """
+    roles = {piece.mark: piece.kind.role for piece in product.pieces}
+    checks = ((piece.mark, check) for piece in product.pieces for check in piece.checks)
+    problems = problems_of(roles, checks)
+    if problems:
+        raise LimitError(problems, product.remedies(problems))
+
+
+def show(value: Any) -> str:
+    """A value as TOML has it; text without quotes."""
+    return f"{value:g}" if isinstance(value, float) else str(value)
