@@ -58,6 +58,11 @@ class _Processes(ProcessPoolExecutor):
         for worker in active_children():
             if worker not in self._others:
                 worker.terminate()
+        # A worker that ends while it writes leaves half a message, for whose rest the executor
+        # would wait as long as this process has the pipe open for writing itself.
+        results = getattr(self, "_result_queue", None)
+        if results is not None:
+            results._writer.close()
         self.shutdown(wait=True, cancel_futures=True)
 
 

@@ -60,3 +60,22 @@ if __name__ == "__main__":
         assert found == kernel, (found, kernel)
 """
     subprocess.run([sys.executable, "-c", program], check=True, timeout=120)
+
+
+@pytest.mark.slow
+def test_workers_are_stopped_while_they_send_large_results() -> None:
+    """What a worker has written half is waited for by nobody."""
+    program = """
+import time
+from fabrication.job.pool import worker_pool
+
+if __name__ == "__main__":
+    with worker_pool(2, kernel=False) as pool:
+        pool.submit(abs, 1).result()
+        for _ in range(40):
+            pool.submit(bytes, 30_000_000)
+        time.sleep(0.4)
+        pool.stop()
+"""
+    for _ in range(3):
+        subprocess.run([sys.executable, "-c", program], check=True, timeout=30)
