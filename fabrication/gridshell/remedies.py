@@ -11,7 +11,7 @@ import numpy as np
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.pieces import Panel
 from fabrication.job.problems import Problem
-from fabrication.parts.panel import least_rectangle
+from fabrication.solids.polygon import least_rectangle
 
 LARGEST_PANE_MM: Final = 50_000.0
 """A pane longer than this means that the mesh is in another unit."""
@@ -27,7 +27,8 @@ def remedies(design: Design, problems: Sequence[Problem]) -> list[tuple[str, str
     possible, and for all other limits, the limit that the net keeps is named.
     """
     worst = {problem.check: problem.parts[0][1] for problem in problems}
-    goal, found = design.project.optimize.goal, []
+    goal = design.project.optimize.goal
+    found: list[tuple[str, str, Any]] = []
     panes = [] if "size_mm" not in worst else [_sides(p) for p in design.gridshell.panels]
     if panes and max(long for _, long in panes) > LARGEST_PANE_MM:
         return [_unit(design)]
