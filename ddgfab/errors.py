@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 
+def printable(text: str) -> str:
+    """Text without control characters: what a file holds must not steer the terminal."""
+    return "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
+
+
 class DdgError(Exception):
     """Base of every error that a user can cause or must hear about.
 
     The message is one to three lines: what failed and where, the value and the limit, what to do.
+    Characters that a terminal would obey are replaced.
     """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(printable(message))
 
 
 class InputError(DdgError, ValueError):

@@ -7,8 +7,15 @@ from typing import Final
 RELATIVE_DEGENERATE: Final = 1e-12
 """Below this part of the local length (or its square, for areas) a quantity counts as zero."""
 
-MERGE_RELATIVE: Final = 1e-7
-"""Vertices nearer than this part of the bounding box diagonal are duplicates."""
+WELD_STEPS: Final = 2.5
+"""Vertices nearer than so many of the last digits of a file are one: two roundings, rounded up."""
+
+WELD_FINE: Final = 1e-7
+"""Vertices nearer than this part of the size of a mesh are one, whatever the digits of its file."""
+
+WELD_COARSE: Final = 1e-5
+"""The digits of a file never make vertices one that are further apart than this part of its
+size."""
 
 COORDINATE_LIMIT: Final = 1e60
 """Coordinates beyond this are refused in files: products of four lengths must not overflow."""

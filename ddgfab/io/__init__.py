@@ -1,4 +1,4 @@
-"""Meshes from and to OBJ, OFF and PLY files; the only file access in `ddgfab`."""
+"""Meshes from OBJ, OFF, PLY, STL and COMPAS files; the only file access in `ddgfab`."""
 
 from __future__ import annotations
 
@@ -11,20 +11,30 @@ import numpy as np
 from ddgfab.arguments import checked
 from ddgfab.errors import MeshError, OutputError
 from ddgfab.io.atomic import atomic_path, atomic_write
+from ddgfab.io.compas import parse_compas
+from ddgfab.io.load import LIMIT_BYTES, load_bytes, suffix_of, unknown_format
 from ddgfab.io.obj import parse_obj, write_obj
 from ddgfab.io.off import parse_off, write_off
+from ddgfab.io.pairs import merge_pairs, paired_in_order
+from ddgfab.io.place import Up, flipped, local_origin, looks, upright
 from ddgfab.io.ply import parse_ply, write_ply
-from ddgfab.io.raw import LIMIT_BYTES, RawMesh, load_bytes
+from ddgfab.io.raw import RawMesh
 from ddgfab.io.repairs import repair
-from ddgfab.mesh import Mesh
+from ddgfab.io.stl import parse_stl
+from ddgfab.io.units import FACTORS, Unit, to_millimetres
+from ddgfab.mesh import Floats, Mesh
 
 __all__ = [
+    "FACTORS",
     "LIMIT_BYTES",
     "ReadResult",
+    "Unit",
+    "Up",
     "atomic_path",
     "atomic_write",
     "check_target",
     "read_mesh",
+    "to_millimetres",
     "write_mesh",
     "write_obj",
     "write_off",
@@ -35,9 +45,11 @@ _PARSERS: dict[str, Callable[[bytes, str], RawMesh]] = {
     ".obj": parse_obj,
     ".off": parse_off,
     ".ply": parse_ply,
+    ".stl": parse_stl,
+    ".json": parse_compas,
 }
 
-_WRITERS: dict[str, Callable[[str | Path, Mesh], None]] = {
+_WRITERS: dict[str, Callable[..., None]] = {
     ".obj": write_obj,
     ".off": write_off,
     ".ply": write_ply,
@@ -54,6 +66,9 @@ class ReadResult:
     notes : what was ignored, mended or is remarkable, a sentence each
     file, sha256 : where it came from
     vertices, faces : how many the file has (before unused and duplicated vertices went)
+    units : unit that the file states in a comment, or None
+    origin : (3,) what was subtracted from coordinates far from the origin, in the unit of the mesh
+    axes : (V, 3) unit node axes that the file carries, or None
     """
 
     mesh: Mesh
@@ -62,6 +77,9 @@ class ReadResult:
     sha256: str
     vertices: int
     faces: int
+    units: str | None
+    origin: Floats
+    axes: Floats | None
 
     def __repr__(self) -> str:
         return f"ReadResult({self.mesh!r} from {self.file}, {len(self.notes)} notes)"
@@ -73,15 +91,24 @@ def read_mesh(
     scale: float = 1.0,
     *,
     merge: float | None = None,
+    up: str = "z",
+    flip: bool = False,
+    quads: bool = False,
     limit_bytes: int = LIMIT_BYTES,
 ) -> ReadResult:
-    """Read a polygon mesh; the suffix says the format: .obj, .off or .ply.
+    """Read a polygon mesh; the suffix says the format: .obj, .off, .ply, .stl or .json (COMPAS).
+
+    Files may be packed with gzip (roof.obj.gz). Coordinates far from the origin come about a
+    local origin.
 
     Parameters
     ----------
     scale : factor on all coordinates (1000 for metres to millimetres)
-    merge : distance, after scaling, below which vertices are one; None for
-        `tolerances.MERGE_RELATIVE` of the bounding box diagonal, 0 to merge nothing
+    merge : distance, after scaling, below which vertices are one; None for what the digits of the
+        file leave, 0 to merge nothing
+    up : axis of the file that becomes z: "z", "y", "x", "-z", "-y" or "-x"
+    flip : turn all faces over
+    quads : merge pairs of triangles into quads
     limit_bytes : largest file that is read
 
     Raises
@@ -95,23 +122,70 @@ def read_mesh(
         raise MeshError(f"scale {scale}: a positive number is needed")
     if merge is not None and not (np.isfinite(merge) and merge >= 0):
         raise MeshError(f"merge distance {merge}: a length of 0 or more is needed")
-    parse = _PARSERS.get(path.suffix.lower())
+    parse = _PARSERS.get(suffix_of(path))
     if parse is None:
-        raise MeshError(
-            f"unknown kind of mesh file '{path.suffix}'; known: {', '.join(_PARSERS)}",
-            file=str(path),
-        )
+        raise unknown_format(path, tuple(_PARSERS))
     data, digest = load_bytes(path, limit_bytes)
     raw = parse(data, str(path))
-    mesh, notes = repair(replace(raw, points=raw.points * scale), merge)
-    if path.suffix.lower() != ".ply" and not data.endswith((b"\n", b"\r", b"\n\0")):
+    points = upright(raw.points * scale, up)
+    finite = bool(len(points)) and bool(np.isfinite(points).all())
+    used = np.unique(raw.corners[(raw.corners >= 0) & (raw.corners < len(points))])
+    origin = local_origin(points[used]) if finite else np.zeros(3)
+    placed = replace(raw, points=points - origin, step=raw.step * scale)
+    mesh, repaired, notes = repair(placed, merge)
+    axes = _unit_axes(repaired.axes, up)
+    if origin.any():
+        notes.append(
+            "the mesh lies far from the origin: ({:.12g}, {:.12g}, {:.12g}) was subtracted from "
+            "its coordinates".format(*origin)
+        )
+    if quads:
+        mesh, left = merge_pairs(mesh)
+        if left:
+            notes.append(f"{left} triangles found no partner for a quad and stay")
+    elif paired_in_order(mesh):
+        notes.append(
+            "its triangles are quads cut in two: quads = true in [net] (--quads) merges them"
+        )
+    if flip:
+        mesh = flipped(mesh)
+        axes = None if axes is None else -axes
+    notes += looks(mesh)
+    if suffix_of(path) in (".obj", ".off") and not data.endswith((b"\n", b"\r", b"\n\0")):
         notes.append("the last line has no line break: if the file was cut off, look there")
-    return ReadResult(mesh, tuple(notes), str(path), digest, len(raw.points), len(raw.sizes))
+    return ReadResult(
+        mesh,
+        tuple(notes),
+        str(path),
+        digest,
+        len(raw.points),
+        len(raw.sizes),
+        raw.units,
+        origin,
+        axes,
+    )
+
+
+def _unit_axes(axes: Floats | None, up: str) -> Floats | None:
+    """Axes of length one, turned as the mesh; None where a vertex has none."""
+    if axes is None:
+        return None
+    length = np.linalg.norm(axes, axis=1)
+    if not (np.isfinite(length) & (length > 0)).all():
+        return None
+    return upright(axes / length[:, None], up)
 
 
 @checked
-def write_mesh(path: str | Path, mesh: Mesh) -> None:
+def write_mesh(
+    path: str | Path, mesh: Mesh, *, units: str | None = None, axes: Floats | None = None
+) -> None:
     """Write a polygon mesh; the suffix says the format: .obj, .off or .ply.
+
+    Parameters
+    ----------
+    units : unit of the coordinates, written as a comment that `read_mesh` understands
+    axes : (V, 3) node axes, written as vertex normals
 
     Raises
     ------
@@ -120,7 +194,7 @@ def write_mesh(path: str | Path, mesh: Mesh) -> None:
     OutputError
         A file that cannot be written; nothing is left half written.
     """
-    _WRITERS[check_target(path)](path, mesh)
+    _WRITERS[check_target(path)](path, mesh, units=units, axes=axes)
 
 
 @checked

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from ddgfab.errors import MeshError
+from ddgfab.io.load import LIMIT_BYTES, load_bytes
 from ddgfab.io.obj import parse_obj
-from ddgfab.io.raw import LIMIT_BYTES, decode, load_bytes
+from ddgfab.io.tokens import decode
 from ddgfab.mesh import Ints, Mesh
 
 _MARKS = ("g", "o", "usemtl")

@@ -10,9 +10,12 @@ import numpy as np
 from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
+from ddgfab.io.header import AXES_NOTE, header_lines
 from ddgfab.io.ply_body import BinaryBody, Element, Property, TextBody
-from ddgfab.io.raw import RawMesh, clip, integer
-from ddgfab.mesh import Ints, Mesh
+from ddgfab.io.raw import RawMesh
+from ddgfab.io.tokens import clip, integer
+from ddgfab.io.units import stated_unit
+from ddgfab.mesh import Floats, Ints, Mesh
 
 _TYPES = {
     "char": "i1",
@@ -43,6 +46,7 @@ class _Header:
     elements: list[Element] = field(default_factory=list)
     lines: int = 0
     end: int = 0
+    comments: list[str] = field(default_factory=list)
 
 
 def parse_ply(data: bytes, file: str) -> RawMesh:
@@ -81,14 +85,20 @@ def parse_ply(data: bytes, file: str) -> RawMesh:
     else:
         order = "<" if header.format == "binary_little_endian" else ">"
         body = BinaryBody(data[header.end :], file, order)
-    points = np.empty((0, 3))
+    names: tuple[str, ...] = ("x", "y", "z")
+    if AXES_NOTE in "\n".join(header.comments) and {"nx", "ny", "nz"} <= scalars:
+        names = ("x", "y", "z", "nx", "ny", "nz")
+    table = np.empty((0, 6))
+    step = 0.0
     corners = sizes = np.empty(0, dtype=np.int64)
     lines: dict[str, Ints | None] = {}
     skipped = []
     for element in header.elements:
         if element.name == "vertex":
-            columns, lines["vertex"] = body.scalars(element, ("x", "y", "z"))
-            points = np.stack(columns, axis=1)
+            columns, lines["vertex"] = body.scalars(element, names)
+            table = np.stack(columns, axis=1)
+            code = next(p.code for p in element.properties if p.name == "x")
+            step = body.step(code, table[:, :3])
         elif element.name == "face":
             corners, sizes, lines["face"] = body.lists(element, index_name)
         else:
@@ -96,7 +106,18 @@ def parse_ply(data: bytes, file: str) -> RawMesh:
             skipped.append(f"ignored {element.count} elements '{clip(element.name)}'")
     if body.rest():
         skipped.append("ignored what follows the last element")
-    return RawMesh(file, points, corners, sizes, lines["vertex"], lines["face"], skipped)
+    return RawMesh(
+        file,
+        table[:, :3].copy(),
+        corners,
+        sizes,
+        lines["vertex"],
+        lines["face"],
+        skipped,
+        step,
+        stated_unit("\n".join(header.comments)),
+        table[:, 3:].copy() if len(names) == 6 else None,
+    )
 
 
 def _header(data: bytes, file: str) -> _Header:
@@ -114,7 +135,7 @@ def _header(data: bytes, file: str) -> _Header:
             if words != ["ply"]:
                 raise MeshError("a PLY file starts with a line 'ply'", file=file, line=line)
         elif not words or words[0] in ("comment", "obj_info"):
-            continue
+            header.comments.append(" ".join(words[1:]))
         elif words[0] == "end_header":
             break
         else:
@@ -156,27 +177,44 @@ def _declare(header: _Header, words: list[str], file: str, line: int) -> None:
 
 
 @checked
-def write_ply(path: str | Path, mesh: Mesh, *, binary: bool = True) -> None:
+def write_ply(
+    path: str | Path,
+    mesh: Mesh,
+    *,
+    binary: bool = True,
+    units: str | None = None,
+    axes: Floats | None = None,
+) -> None:
     """Write a mesh as PLY (little endian doubles, or text), atomically and exactly.
+
+    Parameters
+    ----------
+    units : written as a comment, which `read_mesh` understands
+    axes : (V, 3) node axes, written as vertex normals with a comment that says so
 
     Raises
     ------
+    InputError
+        An unknown unit, or axes of the wrong shape.
     OutputError
         The file cannot be written; an old one is left as it was.
     """
     kind = "binary_little_endian" if binary else "ascii"
+    comments = "".join(f"comment {line}\n" for line in header_lines(mesh, units, axes))
+    table = mesh.vertices if axes is None else np.hstack([mesh.vertices, axes])
+    names = ("x", "y", "z", "nx", "ny", "nz")[: table.shape[1]]
     head = (
-        f"ply\nformat {kind} 1.0\nelement vertex {mesh.n_vertices}\n"
-        "property double x\nproperty double y\nproperty double z\n"
-        f"element face {mesh.n_faces}\nproperty list int int vertex_indices\nend_header\n"
+        f"ply\nformat {kind} 1.0\n{comments}element vertex {mesh.n_vertices}\n"
+        + "".join(f"property double {name}\n" for name in names)
+        + f"element face {mesh.n_faces}\nproperty list int int vertex_indices\nend_header\n"
     )
     with atomic_write(path) as stream:
         stream.write(head.encode("ascii"))
         if binary:
-            stream.write(mesh.vertices.astype("<f8").tobytes())
+            stream.write(table.astype("<f8").tobytes())
             with_sizes = np.insert(mesh.corners, mesh.face_start[:-1], mesh.face_sizes)
             stream.write(with_sizes.astype("<i4").tobytes())
         else:
-            rows = [f"{x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
+            rows = [" ".join(map(repr, row)) for row in table.tolist()]
             rows += [f"{len(face)} " + " ".join(map(str, face.tolist())) for face in mesh.faces]
             stream.write(("\n".join(rows) + "\n").encode("ascii"))

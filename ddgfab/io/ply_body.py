@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ddgfab.errors import MeshError
-from ddgfab.io.raw import decode, integer, number
+from ddgfab.io.raw import SAMPLE, binary_step, decimal_step
+from ddgfab.io.tokens import decode, integer, number
 from ddgfab.mesh import Floats, Ints
 
 
@@ -38,6 +39,7 @@ class TextBody:
         rows = enumerate(decode(data, file, header_lines).split("\n"), start=header_lines + 1)
         self._rows = [(line, parts) for line, row in rows if (parts := row.split())]
         self._at = 0
+        self._step = 0.0
 
     def _take(self, element: Element) -> list[tuple[int, list[str]]]:
         rows = self._rows[self._at : self._at + element.count]
@@ -70,13 +72,19 @@ class TextBody:
     def scalars(self, element: Element, names: tuple[str, ...]) -> tuple[list[Floats], Ints | None]:
         """Columns of scalar properties, and the line of each record."""
         rows = self._take(element)
-        table = []
+        table, sample = [], list[str]()
         for line, parts in rows:
             values = self._split(element, line, parts)
             table.append([number(values[name][0], self._file, line) for name in names])
+            sample += [values[name][0] for name in names[:3]] if len(sample) < SAMPLE else []
+        self._step = decimal_step(sample)
         columns = np.array(table, dtype=np.float64).reshape(-1, len(names))
         lines = np.array([line for line, _ in rows], dtype=np.int64)
         return [columns[:, i] for i in range(len(names))], lines
+
+    def step(self, code: str, points: Floats) -> float:
+        """To what the coordinates are rounded: the last digit of the text."""
+        return self._step
 
     def lists(self, element: Element, name: str) -> tuple[Ints, Ints, Ints | None]:
         """All values of a list property, the length of each list, the line of each record."""
@@ -182,6 +190,10 @@ class BinaryBody:
         if table is None:
             raise self._truncated(element)
         return [table[name].astype(np.float64).reshape(-1) for name in names], None
+
+    def step(self, code: str, points: Floats) -> float:
+        """To what coordinates of a numpy type are rounded."""
+        return binary_step(points, code)
 
     def lists(self, element: Element, name: str) -> tuple[Ints, Ints, Ints | None]:
         """All values of a list property, and the length of each list."""

@@ -1,20 +1,17 @@
-"""What a file says, before anything is checked or mended: points, polygons and their lines."""
+"""What a file states, before anything is checked or mended: points, polygons and their lines."""
 
 from __future__ import annotations
 
-import hashlib
-import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
 from ddgfab.errors import MeshError
 from ddgfab.mesh import Floats, Ints
 
-LIMIT_BYTES = 256 * 1024 * 1024
-"""Largest mesh file that is read [bytes] unless the caller says otherwise."""
+SAMPLE = 4000
+"""Coordinates looked at for the digits of a text file; even a file of few digits shows them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +26,9 @@ class RawMesh:
     sizes : (F,) number of corners of each face
     point_lines, face_lines : (V,), (F,) line of each in the file, None for binary files
     notes : what was ignored or read in another sense than the format's
+    step : coordinates are rounded to about this (the last digit that the file holds)
+    units : unit that the file states (a key of `units.FACTORS`), None where it states none
+    axes : (V, 3) node axes that the file carries, zero where a point has none; None without
     """
 
     file: str
@@ -38,12 +38,19 @@ class RawMesh:
     point_lines: Ints | None
     face_lines: Ints | None
     notes: list[str] = field(default_factory=list)
+    step: float = 0.0
+    units: str | None = None
+    axes: Floats | None = None
 
     def fail(self, reason: str, *, point: int | None = None, face: int | None = None) -> MeshError:
         """The error to raise, with the line of the point or face it is about."""
         lines, index = (self.point_lines, point) if face is None else (self.face_lines, face)
         line = None if lines is None or index is None else int(lines[index])
         return MeshError(reason, file=self.file, line=line)
+
+    def line_of(self, face: int) -> str:
+        """ " (line 7)" for a face of a text file, otherwise nothing; for messages."""
+        return "" if self.face_lines is None else f" (line {int(self.face_lines[face])})"
 
     @staticmethod
     def of(
@@ -53,6 +60,10 @@ class RawMesh:
         point_lines: Sequence[int],
         face_lines: Sequence[int],
         notes: list[str],
+        *,
+        step: float = 0.0,
+        units: str | None = None,
+        axes: Floats | None = None,
     ) -> RawMesh:
         """Raw mesh from Python lists."""
         flat = [index for face in faces for index in face]
@@ -64,80 +75,40 @@ class RawMesh:
             np.array(point_lines, dtype=np.int64),
             np.array(face_lines, dtype=np.int64),
             notes,
+            step,
+            units,
+            axes,
         )
 
 
-def load_bytes(path: Path, limit_bytes: int) -> tuple[bytes, str]:
-    """Content of a file and its SHA-256; refuses what is missing, empty or above the limit."""
-    file = str(path)
-    try:
-        size = path.stat().st_size
-        if path.is_dir():
-            raise MeshError("this is a folder; a mesh file is needed", file=file)
-        if size > limit_bytes:
-            raise MeshError(
-                f"{size} bytes exceed the limit of {limit_bytes}; simplify the mesh or raise "
-                "limit_bytes",
-                file=file,
-            )
-        data = path.read_bytes()
-    except FileNotFoundError as error:
-        raise MeshError("no such file", file=file) from error
-    except OSError as error:
-        raise MeshError(f"cannot be read: {error.strerror or error}", file=file) from error
-    if not data.strip():
-        raise MeshError("the file is empty", file=file)
-    return data, hashlib.sha256(data).hexdigest()
+def decimal_step(tokens: Iterable[str]) -> float:
+    """To what the coordinates of a text file are rounded: the place of their last digit.
+
+    Writers keep a number of digits (%.6g drops zeros at the end) or of decimals (%.6f). The
+    numbers with the most digits are those that were cut, and the last digit of the largest of
+    them is the coarsest rounding in the file.
+    """
+    most, step = 0, 0.0
+    for token in tokens:
+        mantissa, _, exponent = token.lower().replace("d", "e").partition("e")
+        whole, _, decimals = mantissa.lstrip("+-").partition(".")
+        digits = len((whole + decimals).lstrip("0"))
+        if not digits or digits < most:
+            continue
+        try:
+            place = 10.0 ** (int(exponent or 0) - len(decimals))
+        except (ValueError, OverflowError):
+            continue
+        step = place if digits > most else max(step, place)
+        most = digits
+    return step
 
 
-def decode(data: bytes, file: str, lines_before: int = 0) -> str:
-    """Text of a file with plain line ends, without byte order mark; binary content is refused."""
-    for mark, codec in ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "")):
-        if data.startswith(mark) and codec:
-            try:
-                data = data.decode(codec).encode()
-            except UnicodeDecodeError as error:
-                raise MeshError(f"is not text: {error.reason}", file=file) from error
-        elif data.startswith(mark):
-            data = data[len(mark) :]
-    zero = data.find(b"\0")
-    if zero >= 0:
-        line = lines_before + data.count(b"\n", 0, zero) + 1
-        raise MeshError("holds binary data; a text file was expected", file=file, line=line)
-    # Names in old files are Latin-1 as often as UTF-8; only ASCII matters for the mesh.
-    text = data.decode("utf-8", errors="replace")
-    return text.replace("\r\n", "\n").replace("\r", "\n")
-
-
-def number(token: str, file: str, line: int) -> float:
-    """A finite coordinate; the error names the token."""
-    try:
-        value = float(token)
-    except ValueError:
-        value = math.nan
-        if "," in token:
-            raise MeshError(
-                f"'{token}' is not a number: decimals need a point", file=file, line=line
-            ) from None
-        raise MeshError(f"'{clip(token)}' is not a number", file=file, line=line) from None
-    if "_" in token:
-        raise MeshError(f"'{clip(token)}' is not a number", file=file, line=line)
-    if not math.isfinite(value):
-        raise MeshError(f"coordinate '{clip(token)}' is not finite", file=file, line=line)
-    return value
-
-
-def integer(token: str, file: str, line: int, what: str = "vertex number") -> int:
-    """A whole number; the error names the token."""
-    try:
-        if "_" in token:
-            raise ValueError
-        return int(token)
-    except ValueError:
-        raise MeshError(f"'{clip(token)}' is not a {what}", file=file, line=line) from None
-
-
-def clip(token: str, most: int = 40) -> str:
-    """A token short and printable enough for a message."""
-    shown = token if len(token) <= most else token[:most] + "..."
-    return "".join(c if c.isprintable() else "?" for c in shown)
+def binary_step(points: Floats, code: str) -> float:
+    """To what binary coordinates of a numpy type are rounded: the spacing of the largest one."""
+    if not len(points):
+        return 0.0
+    largest = float(np.abs(points[np.isfinite(points)]).max(initial=0.0))
+    if np.dtype(code).kind != "f":
+        return 1.0
+    return float(np.spacing(np.array(largest, dtype=np.dtype(code))))

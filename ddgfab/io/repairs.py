@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ddgfab.io.junctions import check_folded, check_junctions, overlapping
 from ddgfab.io.raw import RawMesh
-from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.tolerances import COORDINATE_LIMIT, MERGE_RELATIVE, RELATIVE_DEGENERATE
+from ddgfab.io.weld import Welded, weld, without_neighbors, without_unused
+from ddgfab.mesh import Ints, Mesh
+from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
 
-_SWEEP = np.array([0.5773, 0.2113, 0.7887])  # a direction no grid is perpendicular to
 
-
-def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, list[str]]:
+def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, RawMesh, list[str]]:
     """Oriented manifold mesh of a file's polygons, and notes of what was mended.
 
     Unused vertices are removed, duplicated ones merged (into the one with the lowest id), faces
@@ -23,8 +23,12 @@ def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, list[str]]:
 
     Parameters
     ----------
-    merge : distance below which vertices are one, in the unit of the points; None for
-        `MERGE_RELATIVE` of the bounding box diagonal, 0 to merge nothing
+    merge : distance below which vertices are one, in the unit of the points; None for what the
+        digits of the file leave (`weld.weld`), 0 to merge nothing
+
+    Returns
+    -------
+    The mesh; the polygons it was made of, with their lines and axes; notes.
 
     Raises
     ------
@@ -34,20 +38,25 @@ def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, list[str]]:
     """
     _check_ranges(raw)
     notes = list(raw.notes)
-    raw, unused = _drop_unused(raw)
-    if unused:
+    _check_repeats(without_neighbors(raw))
+    given = len(raw.points)
+    raw = without_unused(raw)
+    if given > len(raw.points):
+        unused = given - len(raw.points)
         notes.append(f"removed {_count(unused, 'vertex', 'vertices')} that no face uses")
-    raw, merged, distance = _merge(raw, merge)
-    if merged:
-        notes.append(
-            f"merged {_count(merged, 'duplicated vertex', 'duplicated vertices')} "
-            f"nearer than {distance:.3g} to another"
-        )
+    welded = weld(raw, merge)
+    notes += _weld_notes(raw, welded)
+    raw = welded.raw
+    if not len(raw.sizes):
+        raise raw.fail(f"the mesh has no faces ({notes[-1]})")
+    _check_repeats(raw)
     _check_areas(raw)
     mesh = _mesh(raw)
     mesh, flipped = _orient(raw, mesh)
+    check_folded(raw, mesh)
     if flipped:
         notes.append(f"flipped {_count(flipped, 'face', 'faces')} to agree with their neighbours")
+    check_junctions(raw, mesh)
     split = mesh.split_vertices
     if len(split):
         raise raw.fail(
@@ -55,11 +64,29 @@ def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, list[str]]:
             point=int(split[0]),
         )
     notes += _describe(mesh)
-    return mesh, notes
+    return mesh, raw, notes
 
 
 def _count(number: int, one: str, many: str) -> str:
     return f"{number} {one if number == 1 else many}"
+
+
+def _weld_notes(raw: RawMesh, welded: Welded) -> list[str]:
+    """What welding changed, with lines where the file has them."""
+    notes = []
+    if welded.merged:
+        notes.append(
+            f"merged {_count(welded.merged, 'duplicated vertex', 'duplicated vertices')} "
+            f"nearer than {welded.distance:.3g} to another"
+        )
+    for faces, one, many, what in (
+        (welded.dropped_corners, "face", "faces", "repeated a corner, which was dropped"),
+        (welded.dropped_faces, "face", "faces", "had fewer than three corners left: removed"),
+    ):
+        if len(faces):
+            first = f"face {faces[0]}{raw.line_of(int(faces[0]))}"
+            notes.append(f"{_count(len(faces), one, many)} {what} (first: {first})")
+    return notes
 
 
 def _mesh(raw: RawMesh) -> Mesh:
@@ -94,7 +121,11 @@ def _check_ranges(raw: RawMesh) -> None:
             f"the file has {len(raw.points)} vertices",
             face=face,
         )
-    again = _repeated(raw.corners, owner)
+
+
+def _check_repeats(raw: RawMesh) -> None:
+    """No vertex twice in a face, at places that are no neighbours."""
+    again = _repeated(raw.corners, np.repeat(np.arange(len(raw.sizes)), raw.sizes))
     if again is not None:
         face, vertex = again
         raise raw.fail(f"face {face} repeats vertex {vertex} (counting from 0)", face=face)
@@ -109,72 +140,6 @@ def _repeated(corners: Ints, owner: Ints) -> tuple[int, int] | None:
         return None
     at = order[first[0]]
     return int(owner[at]), int(corners[at])
-
-
-def _renumbered(raw: RawMesh, new_id: Ints, keep: Ints) -> RawMesh:
-    lines = None if raw.point_lines is None else raw.point_lines[keep]
-    return RawMesh(
-        raw.file, raw.points[keep], new_id[raw.corners], raw.sizes, lines, raw.face_lines, raw.notes
-    )
-
-
-def _drop_unused(raw: RawMesh) -> tuple[RawMesh, int]:
-    used = np.zeros(len(raw.points), dtype=bool)
-    used[raw.corners] = True
-    if used.all():
-        return raw, 0
-    keep = np.flatnonzero(used)
-    return _renumbered(raw, np.cumsum(used) - 1, keep), len(used) - len(keep)
-
-
-def _merge(raw: RawMesh, merge: float | None) -> tuple[RawMesh, int, float]:
-    """One vertex for points nearer than the distance (chains of such points become one)."""
-    if merge is None:
-        merge = MERGE_RELATIVE * float(np.linalg.norm(np.ptp(raw.points, axis=0)))
-    near = _near_pairs(raw.points, merge) if merge > 0 else np.empty((0, 2), dtype=np.int64)
-    if not len(near):
-        return raw, 0, merge
-    n = len(raw.points)
-    graph = coo_array((np.ones(len(near)), near.T), shape=(n, n))
-    _, label = connected_components(graph, directed=False)
-    _, first = np.unique(label, return_index=True)  # the lowest id of each cluster
-    keep = np.sort(first)
-    stays = first[label]
-    new_id = np.searchsorted(keep, stays)
-    owner = np.repeat(np.arange(len(raw.sizes)), raw.sizes)
-    again = _repeated(stays[raw.corners], owner)
-    if again is not None:
-        face, vertex = again
-        here = raw.corners[owner == face]
-        twins = here[stays[here] == vertex]
-        raise raw.fail(
-            f"face {face} collapses: its vertices {twins[0]} and {twins[1]} are nearer than "
-            f"{merge:.3g}; mend the face or lower the merge distance",
-            face=face,
-        )
-    return _renumbered(raw, new_id, keep), n - len(keep), merge
-
-
-def _near_pairs(points: Floats, distance: float) -> Ints:
-    """(k, 2) pairs nearer than a distance: a sweep along a direction, then the true distance.
-
-    Along a direction in general position few points are that near, so the sweep is almost linear;
-    unlike a k-d tree it needs no further import (scipy.spatial costs 0.1 s).
-    """
-    along = points @ (_SWEEP / np.linalg.norm(_SWEEP))
-    order = np.argsort(along, kind="stable")
-    ranked = along[order]
-    pairs = []
-    live = np.arange(len(order))
-    for step in range(1, len(order)):
-        live = live[live + step < len(order)]
-        live = live[ranked[live + step] - ranked[live] <= distance]
-        if not len(live):
-            break
-        a, b = order[live], order[live + step]
-        near = np.linalg.norm(points[a] - points[b], axis=1) <= distance
-        pairs.append(np.stack([a[near], b[near]], axis=1))
-    return np.concatenate(pairs) if pairs else np.empty((0, 2), dtype=np.int64)
 
 
 def _check_areas(raw: RawMesh) -> None:
@@ -251,7 +216,7 @@ def _check_edges(raw: RawMesh, mesh: Mesh, order: Ints, ranked: Ints) -> None:
         a, b = sorted(mesh.edges[mesh.corner_edge[corners[0]]].tolist())
         raise raw.fail(
             f"edge {a}-{b} is not manifold: faces {', '.join(map(str, faces.tolist()))} meet "
-            "there; two at most are allowed",
+            f"there; two at most are allowed{overlapping(mesh, int(corners[0]), faces)}",
             face=int(faces[-1]),
         )
     sorted_corners = raw.corners[np.lexsort((raw.corners, mesh.corner_face))]

@@ -95,7 +95,11 @@ TABLE: list[tuple[str, str | bytes, int | None, str]] = [
     ("ply", PLY + OFF_V.replace("1 1 0", "1 ? 0") + "3 0 1 2\n", 12, "'?' is not a number"),
     ("ply", PLY + OFF_V + "2 0 1\n", 14, "face 0 has 2 corners"),
     ("ply", PLY.encode() + b"\n\n0 0 \x00", 12, "binary data"),
-    ("stl", "solid\n", None, "unknown kind of mesh file '.stl'; known: .obj, .off, .ply"),
+    ("stl", "solid\n", None, "0 corners are there, and endsolid is missing"),
+    ("abc", "solid\n", None, "unknown kind of mesh file '.abc'; known: .obj, .off, .ply, .stl"),
+    ("step", "ISO-10303-21;\n", None, "mesh it in your CAD program and export a polygon mesh"),
+    ("json", "{", 1, "is no JSON"),
+    ("json", '{"value": 3}', None, "holds no mesh of COMPAS"),
 ]
 
 

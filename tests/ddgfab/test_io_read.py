@@ -68,13 +68,13 @@ def test_spellings_of_obj(name: str, tmp_path: Path) -> None:
         (V.replace("v 0 0 0", "v 0 0 0 1.0") + F, "ignored 1 vertex weights (first in line 1)"),
         (
             V.replace("v 1 0 0", "v 1 0 0 .5 .5 .5") + F,
-            "ignored 1 vertex colours (first in line 2)",
+            "ignored 1 vertex colors (first in line 2)",
         ),
         (
             (V + F).rstrip(),
             "the last line has no line break: if the file was cut off, look there",
         ),
-        (V + "curv 0 1 2\n" + F, "ignored 1 lines 'curv' (first in line 7)"),
+        (V + "curv 0 1 2\n" + F, "ignored 1 NURBS curves (first in line 7)"),
     ],
 )
 def test_what_obj_holds_besides_is_ignored_and_noted(

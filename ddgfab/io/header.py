@@ -1,0 +1,56 @@
+"""What our mesh files state of themselves in comments: the unit, and whether normals are axes."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ddgfab.errors import InputError
+from ddgfab.io.units import FACTORS
+from ddgfab.mesh import Floats, Mesh
+
+AXES_NOTE: Final = "normals: node axes"
+"""Comment of files whose vertex normals are the axes of the nodes (ddgfab.support)."""
+
+HEAD: Final = 60
+"""Comments are looked for in so many lines from the start."""
+
+
+def comments_of(text: str, mark: str) -> str:
+    """The comments in the first lines of a text file, joined."""
+    found = []
+    at = 0
+    for _ in range(HEAD):
+        end = text.find("\n", at)
+        line = text[at : end if end >= 0 else len(text)]
+        before, sign, comment = line.partition(mark)
+        if sign and (mark == "#" or not before.strip()):
+            found.append(comment.strip())
+        if end < 0:
+            break
+        at = end + 1
+    return "\n".join(found)
+
+
+def header_lines(mesh: Mesh, units: str | None, axes: Floats | None) -> list[str]:
+    """Comments to write; checks what is to be written.
+
+    Raises
+    ------
+    InputError
+        Something else than a mesh, an unknown unit, or axes of the wrong shape.
+    """
+    if not isinstance(mesh, Mesh):
+        known = [name for name in ("mesh", "to_mesh") if hasattr(mesh, name)]
+        call = f".{known[0]}{'()' if callable(getattr(mesh, known[0])) else ''}" if known else ""
+        hint = f": give its mesh, {call}" if known else ""
+        raise InputError(f"a Mesh can be written, not a {type(mesh).__name__}{hint}")
+    if units is not None and units not in FACTORS:
+        raise InputError(f'unit "{units}" is unknown; one of {", ".join(FACTORS)}')
+    lines = [] if units is None else [f"units: {units}"]
+    if axes is not None:
+        if np.shape(axes) != mesh.vertices.shape:
+            raise InputError(f"axes have shape {np.shape(axes)}; expected {mesh.vertices.shape}")
+        lines.append(AXES_NOTE)
+    return lines

@@ -1,0 +1,129 @@
+"""Bytes of mesh files, packed with gzip or not, and advice for files of other formats."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import zlib
+from pathlib import Path
+from typing import Final
+
+from ddgfab.errors import MeshError
+
+LIMIT_BYTES = 256 * 1024 * 1024
+"""Largest mesh file that is read [bytes] unless the caller allows more; also after unpacking."""
+
+_MESH = "export a polygon mesh: OBJ, OFF, PLY or STL"
+_SOLID = f"holds exact surfaces, no mesh: mesh it in your CAD program and {_MESH}"
+_DRAWING = (
+    "is a drawing: export the faces as a mesh (OBJ, OFF, PLY, STL), or the bars as OBJ lines ('l')"
+)
+_SCENE = f"is a scene of a modelling program: {_MESH}"
+ADVICE: Final[dict[str, str]] = {
+    ".step": _SOLID,
+    ".stp": _SOLID,
+    ".iges": _SOLID,
+    ".igs": _SOLID,
+    ".brep": _SOLID,
+    ".sat": _SOLID,
+    ".x_t": _SOLID,
+    ".x_b": _SOLID,
+    ".sldprt": _SOLID,
+    ".ipt": _SOLID,
+    ".catpart": _SOLID,
+    ".fcstd": _SOLID,
+    ".dxf": _DRAWING,
+    ".dwg": _DRAWING,
+    ".svg": _DRAWING,
+    ".pdf": _DRAWING,
+    ".skp": f"{_SCENE} (SketchUp: File > Export > 3D Model > OBJ, without 'triangulate all faces')",
+    ".ifc": f"is a building model: {_MESH} of the one surface that the net is on",
+    ".rvt": f"is a building model: {_MESH} of the one surface that the net is on",
+    ".blend": f"{_SCENE} (Blender: File > Export > Wavefront, up axis Z)",
+    ".fbx": _SCENE,
+    ".dae": _SCENE,
+    ".glb": f"holds triangles for display: {_MESH}",
+    ".gltf": f"holds triangles for display: {_MESH}",
+    ".3ds": _SCENE,
+    ".max": _SCENE,
+    ".usd": _SCENE,
+    ".usdz": _SCENE,
+    ".gh": "is a Grasshopper definition: bake its mesh in Rhino and export OBJ",
+    ".ghx": "is a Grasshopper definition: bake its mesh in Rhino and export OBJ",
+    ".3mf": "holds solids for printing, triangles only: export OBJ, OFF, PLY or STL",
+    ".amf": "holds solids for printing, triangles only: export OBJ, OFF, PLY or STL",
+    ".vtk": f"{_MESH} (ParaView: File > Save Data > PLY)",
+    ".vtp": f"{_MESH} (ParaView: File > Save Data > PLY)",
+    ".msh": f"is a finite element mesh: {_MESH}",
+    ".xyz": f"holds points without faces: {_MESH}",
+    ".csv": f"holds a table: {_MESH}",
+    ".txt": f"{_MESH}",
+    ".zip": "is an archive: unpack it (single files may be packed with gzip, as roof.obj.gz)",
+    ".7z": "is an archive: unpack it (single files may be packed with gzip, as roof.obj.gz)",
+    ".rar": "is an archive: unpack it (single files may be packed with gzip, as roof.obj.gz)",
+}
+"""What to do with files that are no meshes, by suffix."""
+
+
+def suffix_of(path: Path) -> str:
+    """The suffix that names the format, in lower case; that of gzip does not count."""
+    own = path.suffix.lower()
+    return Path(path.stem).suffix.lower() if own == ".gz" else own
+
+
+def unknown_format(path: Path, known: tuple[str, ...]) -> MeshError:
+    """The error for a file that no parser reads: what to export instead."""
+    suffix = suffix_of(path)
+    if suffix in ADVICE:
+        return MeshError(f"{suffix} is not read: it {_verb(ADVICE[suffix])}", file=str(path))
+    shown = f"'{suffix}'" if suffix else "a name without suffix"
+    return MeshError(
+        f"unknown kind of mesh file {shown}; known: {', '.join(known)}", file=str(path)
+    )
+
+
+def _verb(advice: str) -> str:
+    """Advice that starts with an order needs another beginning."""
+    return f"is no mesh of polygons: {advice}" if advice.startswith("export") else advice
+
+
+def load_bytes(path: Path, limit_bytes: int) -> tuple[bytes, str]:
+    """Content of a file, unpacked, and its SHA-256 as it lies on the disk.
+
+    Raises
+    ------
+    MeshError
+        What is missing, empty, above the limit, or damaged gzip.
+    """
+    file = str(path)
+    try:
+        size = path.stat().st_size
+        if path.is_dir():
+            raise MeshError("this is a folder; a mesh file is needed", file=file)
+        if size > limit_bytes:
+            raise _too_large(f"{size} bytes exceed", limit_bytes, file)
+        data = path.read_bytes()
+    except FileNotFoundError as error:
+        raise MeshError("no such file", file=file) from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise MeshError(f"cannot be read: {reason}", file=file) from error
+    digest = hashlib.sha256(data).hexdigest()
+    if data.startswith(b"\x1f\x8b"):
+        try:
+            with gzip.open(io.BytesIO(data)) as stream:
+                data = stream.read(limit_bytes + 1)
+        except (OSError, EOFError, zlib.error) as error:
+            raise MeshError(f"is damaged gzip: {error}", file=file) from error
+        if len(data) > limit_bytes:
+            raise _too_large("the unpacked bytes exceed", limit_bytes, file)
+    if not data.strip():
+        raise MeshError("the file is empty", file=file)
+    return data, digest
+
+
+def _too_large(what: str, limit: int, file: str) -> MeshError:
+    return MeshError(
+        f"{what} the limit of {limit}; simplify the mesh or raise limit_bytes", file=file
+    )

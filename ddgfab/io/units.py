@@ -1,0 +1,53 @@
+"""Units of length: what files state of themselves, and the one rule for what a number means."""
+
+from __future__ import annotations
+
+import re
+from typing import Final, Literal, get_args
+
+from ddgfab.errors import InputError
+
+Unit = Literal["mm", "cm", "m", "in", "ft"]
+
+FACTORS: Final[dict[str, float]] = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
+"""Millimetres in one of each unit."""
+
+_NAMES: Final = {
+    **{name: name for name in get_args(Unit)},
+    **{f"{stem}{end}": "mm" for stem in ("millimet",) for end in ("re", "res", "er", "ers")},
+    **{f"{stem}{end}": "cm" for stem in ("centimet",) for end in ("re", "res", "er", "ers")},
+    **{f"{stem}{end}": "m" for stem in ("met",) for end in ("re", "res", "er", "ers")},
+    "inch": "in",
+    "inches": "in",
+    "foot": "ft",
+    "feet": "ft",
+}
+_STATED = re.compile(r"\bunits?\b\s*(?:[:=]|are\b|in\b)?\s*['\"]?([A-Za-z]+)", re.IGNORECASE)
+
+
+def stated_unit(comment: str) -> str | None:
+    """The unit that a comment names ("units: mm", "File units = meters"), or None."""
+    found = _STATED.search(comment)
+    return _NAMES.get(found[1].lower()) if found else None
+
+
+def to_millimetres(units: str | None, scale: float, stated: str | None, file: str | None) -> float:
+    """Millimetres for one unit of a file: the rule that all commands share.
+
+    The unit is the one asked for; where none is, the one that the file states; where it states
+    none, the millimetre. `scale` multiplies the coordinates before that.
+
+    Raises
+    ------
+    InputError
+        An unknown unit, or one that the file contradicts.
+    """
+    if units is not None and units not in FACTORS:
+        raise InputError(f'unit "{units}" is unknown; one of {", ".join(FACTORS)}')
+    if units is not None and stated is not None and units != stated:
+        raise InputError(
+            f'its comment says "units: {stated}", the settings say units = "{units}"\n'
+            f"leave units out (--units, [project] units), or correct the file's comment",
+            file=file,
+        )
+    return scale * FACTORS[units or stated or "mm"]
