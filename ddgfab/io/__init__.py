@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from ddgfab.mesh import Floats, Mesh
 __all__ = [
     "FACTORS",
     "LIMIT_BYTES",
+    "STATED",
     "ReadResult",
     "Unit",
     "Up",
@@ -40,6 +42,9 @@ __all__ = [
     "write_off",
     "write_ply",
 ]
+
+STATED: Final = "stated"
+"""For `read_mesh`: the unit that the file states."""
 
 _PARSERS: dict[str, Callable[[bytes, str], RawMesh]] = {
     ".obj": parse_obj,
@@ -90,6 +95,7 @@ def read_mesh(
     path: str | Path,
     scale: float = 1.0,
     *,
+    units: str | None = None,
     merge: float | None = None,
     up: str = "z",
     flip: bool = False,
@@ -104,6 +110,9 @@ def read_mesh(
     Parameters
     ----------
     scale : factor on all coordinates (1000 for metres to millimetres)
+    units : "mm", "cm", "m", "in" or "ft": unit of the coordinates times the scale; "stated": the
+        one that the file states in a comment, else millimetres. The mesh then comes in
+        millimetres. None: coordinates stay as they are
     merge : distance, after scaling, below which vertices are one; None for what the digits of the
         file leave, 0 to merge nothing
     up : axis of the file that becomes z: "z", "y", "x", "-z", "-y" or "-x"
@@ -127,6 +136,9 @@ def read_mesh(
         raise unknown_format(path, tuple(_PARSERS))
     data, digest = load_bytes(path, limit_bytes)
     raw = parse(data, str(path))
+    if units is not None:
+        asked = None if units == STATED else units
+        scale = to_millimetres(asked, scale, raw.units, str(path))
     points = upright(raw.points * scale, up)
     finite = bool(len(points)) and bool(np.isfinite(points).all())
     used = np.unique(raw.corners[(raw.corners >= 0) & (raw.corners < len(points))])

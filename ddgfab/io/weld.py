@@ -56,7 +56,8 @@ def weld(raw: RawMesh, distance: float | None = None) -> Welded:
 
     Parameters
     ----------
-    distance : in the unit of the points; None for the default, 0 for corners at equal coordinates only
+    distance : in the unit of the points; None for the default, 0 for corners at
+        equal coordinates only
 
     Raises
     ------

@@ -34,6 +34,24 @@ Anyway = Annotated[
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
+Units = Annotated[
+    str | None,
+    typer.Option(
+        help="Unit of the mesh file: mm, cm, m, in or ft; default: what it states in a comment "
+        '("# units: m"), else mm.'
+    ),
+]
+Scale = Annotated[float, typer.Option(help="Factor on the coordinates, before the unit.")]
+Up = Annotated[str, typer.Option(help="Axis of the file that is up: z, y, x, -z, -y or -x.")]
+Flip = Annotated[bool, typer.Option("--flip", help="Turn the faces over.")]
+Quads = Annotated[bool, typer.Option("--quads", help="Merge pairs of triangles into quads.")]
+Weld = Annotated[
+    float | None,
+    typer.Option(
+        help="Vertices nearer than this [mm] are one; default: what the digits of the file leave."
+    ),
+]
+
 
 def comma_list(text: str) -> list[str]:
     """Items between commas, in lower case."""

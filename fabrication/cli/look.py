@@ -8,22 +8,41 @@ from typing import Annotated
 
 import typer
 
-from fabrication.cli.common import DONE, FAILED, Debug, app, errors
+from fabrication.cli.common import (
+    DONE,
+    FAILED,
+    Debug,
+    Flip,
+    Quads,
+    Scale,
+    Units,
+    Up,
+    Weld,
+    app,
+    errors,
+)
 
 
 @app.command("inspect")
 def inspect_command(
-    mesh: Annotated[Path, typer.Argument(help="OBJ, OFF or PLY.")],
+    mesh: Annotated[Path, typer.Argument(help="OBJ, OFF, PLY, STL or COMPAS JSON.")],
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable.")] = False,
-    scale: Annotated[float, typer.Option(help="Factor on the coordinates, to mm.")] = 1.0,
+    units: Units = None,
+    scale: Scale = 1.0,
+    up: Up = "z",
+    flip: Flip = False,
+    quads: Quads = False,
+    weld: Weld = None,
     debug: Debug = False,
 ) -> None:
     """What kind of net a mesh is, and how far from planar, circular, conical, torsion-free."""
     with errors(debug):
-        from ddgfab.io import read_mesh
+        from ddgfab.io import STATED, read_mesh
         from ddgfab.measures import inspect
 
-        read = read_mesh(mesh, scale)
+        read = read_mesh(
+            mesh, scale, units=units or STATED, merge=weld, up=up, flip=flip, quads=quads
+        )
         report = inspect(read.mesh)
         if as_json:
             record = {"file": read.file, "sha256": read.sha256, "notes": list(read.notes)}

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fabrication.cli.common import Anyway, Debug, app, comma_list, errors, progress, sections_of
+from fabrication.cli.common import (
+    Anyway,
+    Debug,
+    Units,
+    app,
+    comma_list,
+    errors,
+    progress,
+    sections_of,
+)
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Ints
@@ -30,6 +39,10 @@ def make_command(
     jobs: Annotated[int | None, typer.Option(min=0, help="Processes; 0: one a core.")] = None,
     formats: Annotated[
         str | None, typer.Option(help="Files to write, for instance step,stl,glb,csv,xlsx.")
+    ] = None,
+    units: Units = None,
+    scale: Annotated[
+        float | None, typer.Option(help="Factor on the coordinates, before the unit.")
     ] = None,
     verify: Annotated[
         str | None, typer.Option(help="Part numbers to read back: all, sample or none.")
@@ -57,6 +70,9 @@ def make_command(
         output_section = {key: value for key, value in given.items() if value is not None}
         if output_section:
             sections["output"] = {**sections.get("output", {}), **output_section}
+        general = {key: v for key, v in (("units", units), ("scale", scale)) if v is not None}
+        if general:
+            sections["project"] = {**sections.get("project", {}), **general}
         if verify is not None:
             sections["checks"] = {**sections.get("checks", {}), "verify": verify}
         project = find_project(source, sections)

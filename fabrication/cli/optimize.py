@@ -9,7 +9,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from fabrication.cli.common import DONE, FAILED, Debug, app, errors, progress, toml_value
+from fabrication.cli.common import (
+    DONE,
+    FAILED,
+    Debug,
+    Flip,
+    Quads,
+    Scale,
+    Units,
+    Up,
+    Weld,
+    app,
+    errors,
+    progress,
+    toml_value,
+)
 
 if TYPE_CHECKING:
     from ddgfab.errors import OptimizeError
@@ -44,7 +58,12 @@ def optimize_command(
     change: Annotated[
         list[str] | None, typer.Option("--set", help="A setting of [optimize]: key=value.")
     ] = None,
-    scale: Annotated[float, typer.Option(help="Factor on the coordinates, to mm.")] = 1.0,
+    units: Units = None,
+    scale: Scale = 1.0,
+    up: Up = "z",
+    flip: Flip = False,
+    quads: Quads = False,
+    weld: Weld = None,
     picture: Annotated[bool, typer.Option(help="Write TARGET.png: distance and creases.")] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
     debug: Debug = False,
@@ -61,7 +80,7 @@ def optimize_command(
     from ddgfab.errors import OptimizeError
 
     with errors(debug), progress() as report:
-        from ddgfab.io import check_target, read_mesh, write_mesh
+        from ddgfab.io import STATED, check_target, read_mesh, write_mesh
         from ddgfab.io.atomic import atomic_path
         from ddgfab.optimize import TorsionFreeResult
         from ddgfab.optimize.report import comparison, comparison_text
@@ -74,8 +93,12 @@ def optimize_command(
         if keep != "balanced":
             given["keep"] = toml_value(keep)
         settings = _settings(given, fix, features, max_movement, change or [])
-        read = read_mesh(source, scale)
-        reference = None if surface is None else read_mesh(surface, scale).mesh
+        read = read_mesh(
+            source, scale, units=units or STATED, merge=weld, up=up, flip=flip, quads=quads
+        )
+        reference = (
+            None if surface is None else read_mesh(surface, scale, units=units or STATED).mesh
+        )
         try:
             result = optimized_mesh(read.mesh, settings, report, surface=reference)
         except OptimizeError as error:
@@ -86,7 +109,8 @@ def optimize_command(
         record = {"file": read.file, "sha256": read.sha256, **comparison(result)}
         if isinstance(result, TorsionFreeResult):
             record["axes"] = result.axes.tolist()
-        write_mesh(target, result.mesh)
+        placed = result.mesh.with_vertices(result.mesh.vertices + read.origin)
+        write_mesh(target, placed, units="mm")
         with atomic_path(target.with_suffix(".json")) as temporary:
             temporary.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
         warning = _draw(target, result) if picture else ""

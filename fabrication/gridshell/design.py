@@ -16,7 +16,7 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.forms.generators import GENERATORS
 from ddgfab.forms.registry import find_generator, generate
-from ddgfab.io import read_mesh
+from ddgfab.io import ReadResult, read_mesh
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
@@ -45,6 +45,9 @@ GIVEN: Final = "mesh given in Python"
 
 EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
 """The built-in example."""
+
+LONGEST_MEDIAN_MM: Final = 20_000.0
+"""A median edge above this [mm] means that the mesh is in another unit."""
 
 SHORTEST_MEDIAN_MM: Final = 20.0
 """A median edge below this [mm] means that the mesh is in another unit."""
@@ -248,20 +251,29 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
         for name in find_generator(project.net.kind).files(project.net.parameters):
             named = folder / project.net.parameters[name]
     path = project.mesh_path
-    read = read_mesh(path) if mesh is None and path is not None else None
+    read = _read(project, path) if mesh is None and path is not None else None
     if read is not None:
         mesh = read.mesh
     if mesh is None:
         raise InputError(f'[net] kind = "{project.net.kind}" has no mesh of its own')
     median = float(np.median(mesh.edge_lengths))
-    factor = project.project.factor(median)
+    stated, file = (None, None) if read is None else (read.units, read.file)
+    factor = project.project.factor(median, stated, file)
+    if median * factor > LONGEST_MEDIAN_MM:
+        raise InputError(
+            f"the median edge is {median * factor / 1000:.4g} m long; no gridshell has edges over "
+            f"{LONGEST_MEDIAN_MM / 1000:g} m\n"
+            'Set [project] units = "mm", scale = ..., or median_edge_mm = 1500 '
+            "(on the command line: --set project.units=mm).",
+            file=file,
+        )
     if median * factor < SHORTEST_MEDIAN_MM:
         raise InputError(
             f"the median edge is {median * factor:.3g} mm long; no gridshell has edges under "
             f"{SHORTEST_MEDIAN_MM:g} mm\n"
             'Set [project] units = "m", scale = ..., or median_edge_mm = 1500 '
             "(on the command line: --set project.units=m).",
-            file=None if read is None else read.file,
+            file=file,
         )
     if named is not None:
         digest = hashlib.sha256(named.read_bytes()).hexdigest()
@@ -287,6 +299,17 @@ def _traced(project: Project) -> NetInput:
         return NetInput(found.mesh, None, None, notes)
     digest = hashlib.sha256(source.read_bytes()).hexdigest()
     return NetInput(found.mesh, str(source), digest, notes)
+
+
+def _read(project: Project, path: Path) -> ReadResult:
+    """The project's mesh file in its own unit."""
+    net = project.net
+    ways: dict[str, Any] = {"up": net.up, "flip": net.flip, "quads": net.quads}
+    if net.weld_mm is None:
+        return read_mesh(path, **ways)
+    apart = read_mesh(path, merge=0, **ways)
+    factor = project.project.factor(float(np.median(apart.mesh.edge_lengths)), apart.units)
+    return read_mesh(path, merge=net.weld_mm / factor, **ways)
 
 
 def _notes(project: Project) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Final, Literal, get_args
 from pydantic import Field, field_validator, model_validator
 
 from ddgfab.forms.registry import kinds
+from ddgfab.io import Unit, Up, to_millimetres
 from ddgfab.optimize import Boundary, Goal, Keep
 from ddgfab.suggest import suggestion
 from ddgfab.support import SupportKind
@@ -43,13 +44,13 @@ class GeneralSettings(Section):
     Attributes
     ----------
     name : of the output folder; empty: the file's stem
-    units : of the input's coordinates
+    units : of the input's coordinates; none: what the file states in a comment, else millimetres
     scale : factor on the input's coordinates, before units
     median_edge_mm : instead of scale and units: the median edge becomes this long
     """
 
     name: str = ""
-    units: Literal["mm", "m"] = "mm"
+    units: Unit | None = None
     scale: Positive = 1.0
     median_edge_mm: Positive | None = None
 
@@ -59,11 +60,24 @@ class GeneralSettings(Section):
             raise ValueError("median_edge_mm replaces scale and units: give one or the other")
         return self
 
-    def factor(self, median_edge: float) -> float:
-        """Millimetres for one unit of the input whose median edge length is given."""
+    def factor(
+        self, median_edge: float, stated: str | None = None, file: str | None = None
+    ) -> float:
+        """Millimetres for one unit of the input whose median edge length is given.
+
+        Parameters
+        ----------
+        stated : unit that the file states
+        file : for messages
+
+        Raises
+        ------
+        InputError
+            The settings and the file name different units.
+        """
         if self.median_edge_mm is not None:
             return self.median_edge_mm / median_edge
-        return self.scale * (1000.0 if self.units == "m" else 1.0)
+        return to_millimetres(self.units, self.scale, stated, file)
 
 
 class NetSettings(Section):
@@ -73,7 +87,12 @@ class NetSettings(Section):
     ----------
     kind : "mesh" (a file), or a kind that `ddgfab net --list` shows: "canopy" (the built-in
         example), "circular", "conical", "translation", ..., or "surface": a net is traced on one
-    file : OBJ, OFF or PLY, for "surface" STEP or IGES; relative to the project file
+    file : OBJ, OFF, PLY, STL or COMPAS JSON, for "surface" STEP or IGES; relative to the project
+        file
+    up : "mesh": axis of the file that becomes z: "z", "y", "x", "-z", "-y" or "-x"
+    flip : "mesh": turn all faces over
+    quads : "mesh": merge pairs of triangles into quads
+    weld_mm : "mesh": vertices nearer than this are one; none: what the digits of the file leave
     parameters : of the generator, or of the surface; in the file they stand in [net] beside kind
     surface : "surface": its name, of those that `ddgfab trace --list` shows, instead of a file
     spacing_mm, spacing_across_mm : "surface": distance of neighboring lines, of the first family
@@ -85,6 +104,10 @@ class NetSettings(Section):
 
     kind: str = MESH
     file: Path | None = Field(default=None, strict=False)
+    up: Up = "z"
+    flip: bool = False
+    quads: bool = False
+    weld_mm: NotNegative | None = None
     parameters: dict[str, Any] = Field(default_factory=dict)
     surface: str = ""
     spacing_mm: Positive = 1500.0
@@ -96,12 +119,17 @@ class NetSettings(Section):
     @classmethod
     def keys(cls) -> set[str]:
         """Of a mesh: without `parameters`, which no file may name, and keys of surfaces."""
-        return {"kind", "file"}
+        return {"kind", "file", *cls.mesh_keys()}
+
+    @classmethod
+    def mesh_keys(cls) -> tuple[str, ...]:
+        """How a mesh file is read."""
+        return ("up", "flip", "quads", "weld_mm")
 
     @classmethod
     def surface_keys(cls) -> set[str]:
         """Of kind = "surface", besides the parameters of the surface itself."""
-        return set(cls.model_fields) - {"parameters"}
+        return set(cls.model_fields) - {"parameters", *cls.mesh_keys()}
 
     @field_validator("kind")
     @classmethod
