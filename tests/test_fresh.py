@@ -102,7 +102,7 @@ loaded = [m for m in ('OCP', 'build123d', 'cadquery') if m in sys.modules]
 assert not loaded, loaded
 """
     run(program)
-    assert (tmp_path / "beams.csv").read_text("utf-8").startswith("mark,number,edge")
+    assert (tmp_path / "beams.csv").read_text("utf-8").startswith("mark,number,status,edge")
 
 
 @pytest.mark.parametrize("words", [["--help"], ["make", "--help"], ["inspect", "--help"]])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final, Literal, get_args
 
+from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 
 Unit = Literal["mm", "cm", "m", "in", "ft"]
@@ -31,6 +32,7 @@ def stated_unit(comment: str) -> str | None:
     return _NAMES.get(found[1].lower()) if found else None
 
 
+@checked
 def to_millimetres(units: str | None, scale: float, stated: str | None, file: str | None) -> float:
     """Millimetres for one unit of a file: the rule that all commands share.
 

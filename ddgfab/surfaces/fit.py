@@ -1,7 +1,7 @@
 """A mesh as a smooth surface: a quintic tensor spline fitted over its plan.
 
 The weight of smoothness is chosen by the data: the largest that costs 8 % of the residual. Source:
-Eilers, Marx 1996, Flexible smoothing with B-splines and penalties; mathematics.md 9.2.
+Eilers, Marx 1996, Flexible smoothing with B-splines and penalties; docs/surfaces.md.
 """
 
 from __future__ import annotations

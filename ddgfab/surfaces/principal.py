@@ -1,6 +1,6 @@
 """Principal directions and curvatures from the derivatives of a surface, without eigensolver.
 
-Source: mathematics.md 9.2; do Carmo, Differential Geometry of Curves and Surfaces, 3.3.
+Source: do Carmo, Differential Geometry of Curves and Surfaces, 3.3.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ from ddgfab.trace.field import ConjugateField, Field, PrincipalField, plane_sect
 from ddgfab.trace.lines import Line, Tracer
 from ddgfab.trace.mesh import TracedMesh, network_mesh
 from ddgfab.trace.placing import Network, place
-from ddgfab.trace.quality import Quality, quality
 from ddgfab.trace.recipe import Traced, trace
+from ddgfab.trace.report import Quality, quality
 from ddgfab.trace.umbilics import Umbilic
 
 __all__ = [

@@ -1,6 +1,6 @@
 """Fields of two families of directions on a surface: principal, or conjugate to a given one.
 
-Source: mathematics.md 9.1, 9.2.
+Source: do Carmo, Differential Geometry of Curves and Surfaces, 3.3.
 """
 
 from __future__ import annotations

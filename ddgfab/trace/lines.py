@@ -1,6 +1,6 @@
 """Lines of a field on a surface: all seeds at once, Runge-Kutta steps in the parameter plane.
 
-A line ends at the trimming curves, at an umbilic, or where it began. Source: mathematics.md 9.3;
+A line ends at the trimming curves, at an umbilic, or where it began. Source:
 Alliez, Cohen-Steiner, Devillers, Lévy, Desbrun 2003, Anisotropic polygonal remeshing.
 """
 

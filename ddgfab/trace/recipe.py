@@ -13,7 +13,7 @@ from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.trace.field import ConjugateField, Field, PrincipalField, plane_sections, turned
 from ddgfab.trace.mesh import TracedMesh, network_mesh
 from ddgfab.trace.placing import Network, place
-from ddgfab.trace.quality import Quality, quality
+from ddgfab.trace.report import Quality, quality
 
 
 @dataclass(frozen=True, eq=False)

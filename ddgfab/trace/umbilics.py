@@ -1,6 +1,6 @@
 """Umbilics of a surface with their index, by the winding of the deviator of the shape operator.
 
-Source: mathematics.md 9.2; Berry, Hannay 1977, Umbilic points on Gaussian random surfaces.
+Source: Berry, Hannay 1977, Umbilic points on Gaussian random surfaces.
 """
 
 from __future__ import annotations

@@ -46,9 +46,6 @@ GIVEN: Final = "mesh given in Python"
 EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
 """The built-in example."""
 
-LONGEST_MEDIAN_MM: Final = 20_000.0
-"""A median edge above this [mm] means that the mesh is in another unit."""
-
 SHORTEST_MEDIAN_MM: Final = 20.0
 """A median edge below this [mm] means that the mesh is in another unit."""
 
@@ -259,14 +256,6 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     median = float(np.median(mesh.edge_lengths))
     stated, file = (None, None) if read is None else (read.units, read.file)
     factor = project.project.factor(median, stated, file)
-    if median * factor > LONGEST_MEDIAN_MM:
-        raise InputError(
-            f"the median edge is {median * factor / 1000:.4g} m long; no gridshell has edges over "
-            f"{LONGEST_MEDIAN_MM / 1000:g} m\n"
-            'Set [project] units = "mm", scale = ..., or median_edge_mm = 1500 '
-            "(on the command line: --set project.units=mm).",
-            file=file,
-        )
     if median * factor < SHORTEST_MEDIAN_MM:
         raise InputError(
             f"the median edge is {median * factor:.3g} mm long; no gridshell has edges under "

@@ -127,7 +127,7 @@ def test_generated_nets_take_a_scale_but_no_other_unit(tmp_path: Path) -> None:
         (NET + '[optimize]\ngoal = "plannar"\n', [":5:", "[optimize] goal", "planar"]),
         (NET + '[optimize]\ngoal = "planar"\nfix = [-1]\n', [":6:", "[optimize] fix"]),
         ("[project]\nscale = 2\nmedian_edge_mm = 5\n" + NET, ["median_edge_mm replaces scale"]),
-        ('[project]\nunits = "cm"\n' + NET, [":2:", "'mm'"]),
+        ('[project]\nunits = "yd"\n' + NET, [":2:", "'mm'"]),
         ('[project]\nname = "a"\n', ["needs [net]"]),
         ('[net]\nkind = "mesh"\n', [":1:", "needs file"]),
         ('[net]\nkind = "canopy"\nfile = "a.obj"\n', ["file is for"]),
