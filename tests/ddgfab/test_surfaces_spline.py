@@ -1,4 +1,4 @@
-"""Spline surfaces: closed forms, bad input (mathematics.md 9.2)."""
+"""Spline surfaces: closed forms, bad input."""
 
 from __future__ import annotations
 

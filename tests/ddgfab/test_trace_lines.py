@@ -1,4 +1,4 @@
-"""Umbilics with index, curvature lines on the ellipsoid (mathematics.md 9.2, 9.3)."""
+"""Umbilics with index, curvature lines on the ellipsoid."""
 
 from __future__ import annotations
 

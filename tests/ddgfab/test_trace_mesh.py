@@ -1,4 +1,4 @@
-"""Networks as meshes: areas, faces, orders, conjugate families (mathematics.md 9.4)."""
+"""Networks as meshes: areas, faces, orders, conjugate families."""
 
 from __future__ import annotations
 
