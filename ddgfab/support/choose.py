@@ -23,6 +23,7 @@ from ddgfab.tolerances import (
     NET_ANGLE_DEG,
     NET_EDGE_OFFSET,
     NET_PLANAR_PERCENT,
+    TORSION_EXACT_DEG,
 )
 
 SupportKind = Literal["auto", "offset", "normal", "axis", "optimize", "central", "normals", "edge"]
@@ -44,6 +45,7 @@ def support_structure(
     kind: SupportKind = "auto",
     *,
     lean_limit_deg: float = LEAN_LIMIT_DEG,
+    torsion_limit_deg: float = TORSION_EXACT_DEG,
     axes: Floats | None = None,
 ) -> SupportStructure:
     """Node axes on a mesh, vertices fixed; torsion-free except for the kind "normals".
@@ -62,6 +64,8 @@ def support_structure(
     ----------
     lean_limit_deg : structures that lean by more somewhere are taken by "auto" only where none
         stays below; the caller judges what comes back (`SupportStructure.leaning`)
+    torsion_limit_deg : greatest torsion of what is taken where no axes are free of torsion to the
+        digits of a double, as on closed nets from files of six digits
     axes : (V, 3) axes that were found together with the mesh (`ddgfab.optimize.torsion_free`).
         "auto" takes them, as kind "given", if they are torsion-free within the lean limit
 
@@ -78,16 +82,16 @@ def support_structure(
         )
     if kind == "auto" and axes is not None:
         given = SupportStructure.of(mesh, axes, "given")
-        if given.torsion_free and given.lean_deg_max <= lean_limit_deg:
+        if given.torsion_deg_max <= torsion_limit_deg and given.lean_deg_max <= lean_limit_deg:
             return given
     if kind == "normals":
         return SupportStructure.of(mesh, surface_normals(mesh), kind)
     if kind == "central":
-        return _upright(central(mesh))
+        return _upright(central(mesh), torsion_limit_deg)
     if (mesh.face_sizes == 3).all() and kind != "edge":
         raise refuse_triangles(mesh)
     if kind == "optimize":
-        return _optimized(mesh)
+        return _optimized(mesh, torsion_limit_deg)
     if kind != "auto":
         objection = _objection(mesh, kind)
         if objection:
@@ -95,24 +99,25 @@ def support_structure(
                 f'support kind "{kind}" does not fit this net: {objection}\n'
                 'take [support] kind = "optimize", or optimise the net first'
             )
-        return _upright(_exact(mesh, kind))
-    found = [
-        candidate
+        return _upright(_exact(mesh, kind), torsion_limit_deg)
+    candidates = [
+        SupportStructure.of(mesh, _EXACT[name](mesh), name)
         for name in _EXACT
         if not _objection(mesh, name)
-        and (candidate := SupportStructure.of(mesh, _EXACT[name](mesh), name)).torsion_free
     ]
+    found = [structure for structure in candidates if structure.torsion_free]
     upright = [structure for structure in found if structure.lean_deg_max <= lean_limit_deg]
     if upright:
         least = min(structure.lean_deg_mean for structure in upright)
         # Of equals (a sphere has the same axes by all kinds) the first: the most special.
         return next(s for s in upright if s.lean_deg_mean <= least + LEAN_EQUAL_DEG)
     try:
-        found.append(_optimized(mesh))
+        found.append(_optimized(mesh, torsion_limit_deg))
     except SupportError:
+        found = found or [s for s in candidates if s.torsion_deg_max <= torsion_limit_deg]
         if not found:
             raise
-    return _upright(min(found, key=lambda structure: structure.lean_deg_max))
+    return _upright(min(found, key=lambda s: s.lean_deg_max), torsion_limit_deg)
 
 
 def _objection(mesh: Mesh, kind: str) -> str:
@@ -151,22 +156,22 @@ def _exact(mesh: Mesh, kind: str) -> SupportStructure:
     structure = SupportStructure.of(mesh, axes, kind)
     if structure.torsion_free:
         return structure
-    near = optimize(mesh, target=axes)
+    near = optimize(mesh, target=axes, throw=False)
     return SupportStructure.of(
         mesh, near.axes, kind, status=near.status, history=structure.history + near.history
     )
 
 
-def _optimized(mesh: Mesh) -> SupportStructure:
+def _optimized(mesh: Mesh, limit_deg: float) -> SupportStructure:
     """The optimised structure, upright; explains itself where the solver fails on such a net."""
-    return _upright(optimize(mesh, throw=False))
+    return _upright(optimize(mesh, throw=False), limit_deg)
 
 
-def _upright(structure: SupportStructure) -> SupportStructure:
-    """Pass a structure that stands up and is torsion-free; explain the others."""
+def _upright(structure: SupportStructure, limit_deg: float) -> SupportStructure:
+    """Pass a structure that stands up with torsion below a limit [deg]; explain the others."""
     mesh = structure.mesh
     lying = structure.lean_deg_max > LEAN_UPRIGHT_DEG
-    if structure.torsion_free and not lying:
+    if structure.torsion_deg_max <= max(limit_deg, TORSION_EXACT_DEG) and not lying:
         return structure
     angles = np.degrees(torsion(mesh, mesh.vertex_normals))
     worst = int(angles.argmax())
@@ -181,7 +186,10 @@ def _upright(structure: SupportStructure) -> SupportStructure:
         )
     else:
         edges = ", ".join(str(i) for i in structure.worst_edges(3))
-        found = f"torsion stays at {structure.torsion_deg_max:.2g} deg (edges {edges})"
+        found = (
+            f"torsion stays at {structure.torsion_deg_max:.2g} deg (limit {limit_deg:g}, edges "
+            f"{edges})"
+        )
     raise SupportError(f"no upright torsion-free node axes: {found}{_reason(structure)}\n{normals}")
 
 

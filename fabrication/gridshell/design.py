@@ -16,7 +16,7 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.forms.generators import GENERATORS
 from ddgfab.forms.registry import find_generator, generate
-from ddgfab.io import ReadResult, read_mesh
+from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, read_mesh, unlikely_size
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
@@ -45,9 +45,6 @@ GIVEN: Final = "mesh given in Python"
 
 EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
 """The built-in example."""
-
-SHORTEST_MEDIAN_MM: Final = 20.0
-"""A median edge below this [mm] means that the mesh is in another unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,6 +209,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
         support_kind(project),
         axes=optimized.axes if isinstance(optimized, TorsionFreeResult) else None,
         lean_limit_deg=project.support.lean_limit_deg,
+        torsion_limit_deg=project.checks.torsion_deg,
     )
     stop("support structure")
     start("detail")
@@ -258,8 +256,7 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     factor = project.project.factor(median, stated, file)
     if median * factor < SHORTEST_MEDIAN_MM:
         raise InputError(
-            f"the median edge is {median * factor:.3g} mm long; no gridshell has edges under "
-            f"{SHORTEST_MEDIAN_MM:g} mm\n"
+            f"{unlikely_size(median * factor)}\n"
             'Set [project] units = "m", scale = ..., or median_edge_mm = 1500 '
             "(on the command line: --set project.units=m).",
             file=file,

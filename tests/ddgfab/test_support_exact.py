@@ -368,3 +368,34 @@ def test_certificate_counts_a_known_torsion() -> None:
         SupportStructure.of(mesh, axes * [[1], [1], [0], [1]])
     with pytest.raises(SupportError, match="shape"):
         SupportStructure.of(mesh, axes[:3])
+
+
+def test_closed_net_of_six_digits_is_taken_within_the_limit_asked_for() -> None:
+    """Surface of three cubes round a corner, sheared and tapered: 28 conditions, as many freedoms.
+
+    Planar faces have exact axes; rounded to six digits they have none, but nearly.
+    """
+    cubes = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    points: dict[tuple[int, ...], int] = {}
+    faces = []
+    for cube in cubes:
+        for axis in range(3):
+            for side in (0, 1):
+                beside = list(cube)
+                beside[axis] += 2 * side - 1
+                if tuple(beside) in cubes:
+                    continue
+                a, b = (np.eye(3, dtype=int)[(axis + k) % 3] for k in (1, 2))
+                start = np.array(cube) + side * np.eye(3, dtype=int)[axis]
+                loop = [start, start + a, start + a + b, start + b][:: 1 if side else -1]
+                faces.append([points.setdefault(tuple(p.tolist()), len(points)) for p in loop])
+    flat = np.array(list(points), dtype=float) @ [[1, 0.1, 0.05], [0.2, 0.9, 0], [0, 0.1, 1.1]]
+    flat /= 1 + 0.1 * flat[:, :1] + 0.07 * flat[:, 2:]  # projective: planes stay planes
+    exact = Mesh.build(flat, faces)
+    assert exact.n_edges == 28
+    assert support_structure(exact).torsion_free
+    rounded = exact.with_vertices(np.round(flat, 6))
+    with pytest.raises(SupportError, match=r"torsion stays at .* \(limit 1e-06"):
+        support_structure(rounded)
+    found = support_structure(rounded, torsion_limit_deg=0.1)
+    assert 1e-6 < found.torsion_deg_max < 1e-3
