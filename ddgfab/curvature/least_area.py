@@ -98,12 +98,9 @@ def minimize_area(
 
     Source: Brakke 1992; mathematics.md 8.4.
     """
-    triangles_of(mesh)
-    held = held_vertices(mesh, fixed)
-    free = np.flatnonzero(~held & (mesh.valences > 0))
+    held, free, limit = _begin(mesh, fixed, tolerance)
     if not len(free):
-        return _nothing_free(mesh)
-    limit = tolerance * float(mesh.edge_lengths.max())
+        return LeastArea(mesh, "converged", (area_of(mesh),), (0.0,), (0.0,))
     shapes = triangle_shapes(mesh)
     try:
         found = _iterate(mesh, held, free, limit, max_steps, shapes, normal=True)
@@ -164,12 +161,9 @@ def minimize_area_along_normals(
 
     Source: Brakke 1992; mathematics.md 8.4.
     """
-    triangles_of(mesh)
-    held = held_vertices(mesh, fixed)
-    free = np.flatnonzero(~held & (mesh.valences > 0))
+    held, free, limit = _begin(mesh, fixed, tolerance)
     if not len(free):
-        return _nothing_free(mesh)
-    limit = tolerance * float(mesh.edge_lengths.max())
+        return LeastArea(mesh, "converged", (area_of(mesh),), (0.0,), (0.0,))
     found = _iterate(mesh, held, free, limit, max_steps, triangle_shapes(mesh), normal=True)
     if found.status == "stopped" and throw:
         n = found.mesh.vertex_normals[free]
@@ -182,8 +176,14 @@ def minimize_area_along_normals(
     return found
 
 
-def _nothing_free(mesh: Mesh) -> LeastArea:
-    return LeastArea(mesh, "converged", (area_of(mesh),), (0.0,), (0.0,))
+def _begin(
+    mesh: Mesh, fixed: ArrayLike | None, tolerance: float
+) -> tuple[NDArray[np.bool_], Ints, float]:
+    """Flags of the vertices that stay, ids of the free ones, the limit on the gradient."""
+    triangles_of(mesh)
+    held = held_vertices(mesh, fixed)
+    free = np.flatnonzero(~held & (mesh.valences > 0))
+    return held, free, tolerance * float(mesh.edge_lengths.max())
 
 
 def _iterate(
@@ -209,8 +209,7 @@ def _iterate(
                 break
             current = found
         refuse_collapse(current, shapes, len(areas))
-        # Where only rounding is left the area may grow by some of it.
-        areas.append(min(area_of(current), areas[-1]))
+        areas.append(area_of(current))
         left = note()
     status = "converged" if whole[-1] <= limit else "normal" if across[-1] <= limit else "stopped"
     if before is not None:
