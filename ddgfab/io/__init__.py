@@ -22,12 +22,13 @@ from ddgfab.io.ply import parse_ply, write_ply
 from ddgfab.io.raw import RawMesh
 from ddgfab.io.repairs import repair
 from ddgfab.io.stl import parse_stl
-from ddgfab.io.units import FACTORS, Unit, to_millimetres
+from ddgfab.io.units import FACTORS, SHORTEST_MEDIAN_MM, Unit, to_millimetres, unlikely_size
 from ddgfab.mesh import Floats, Mesh
 
 __all__ = [
     "FACTORS",
     "LIMIT_BYTES",
+    "SHORTEST_MEDIAN_MM",
     "STATED",
     "ReadResult",
     "Unit",
@@ -37,6 +38,7 @@ __all__ = [
     "check_target",
     "read_mesh",
     "to_millimetres",
+    "unlikely_size",
     "write_mesh",
     "write_obj",
     "write_off",
@@ -85,6 +87,11 @@ class ReadResult:
     units: str | None
     origin: Floats
     axes: Floats | None
+
+    @property
+    def in_place(self) -> Mesh:
+        """The mesh where the file has it, however far from the origin that is."""
+        return self.mesh.with_vertices(self.mesh.vertices + self.origin)
 
     def __repr__(self) -> str:
         return f"ReadResult({self.mesh!r} from {self.file}, {len(self.notes)} notes)"

@@ -32,6 +32,24 @@ def stated_unit(comment: str) -> str | None:
     return _NAMES.get(found[1].lower()) if found else None
 
 
+SHORTEST_MEDIAN_MM: Final = 20.0
+"""A median edge below this [mm] means that a mesh is in another unit; no gridshell has it."""
+
+LONGEST_MEDIAN_MM: Final = 20_000.0
+"""So does a median edge above this [mm]."""
+
+
+@checked
+def unlikely_size(median_mm: float) -> str:
+    """What is unlikely of a mesh whose median edge is so long [mm], or an empty text."""
+    if SHORTEST_MEDIAN_MM <= median_mm <= LONGEST_MEDIAN_MM:
+        return ""
+    end = f"under {SHORTEST_MEDIAN_MM:g} mm"
+    if median_mm > LONGEST_MEDIAN_MM:
+        end = f"over {LONGEST_MEDIAN_MM / 1000:g} m"
+    return f"the median edge is {median_mm:.3g} mm long; no gridshell has edges {end}"
+
+
 @checked
 def to_millimetres(units: str | None, scale: float, stated: str | None, file: str | None) -> float:
     """Millimetres for one unit of a file: the rule that all commands share.

@@ -37,11 +37,17 @@ class Term(Protocol):
     """
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """For histories and errors."""
+
     @property
-    def weight(self) -> float: ...
+    def weight(self) -> float:
+        """Factor of the squared residuals."""
+
     @property
-    def hard(self) -> bool: ...
+    def hard(self) -> bool:
+        """Whether it is an equation to be met."""
+
     def residual(self, x: Floats) -> Floats:
         """(m,) values at the (n,) unknowns."""
         ...
@@ -55,7 +61,9 @@ class Following(Protocol):
     """A soft term that follows the unknowns: `at` gives the term to use near a state."""
 
     @property
-    def weight(self) -> float: ...
+    def weight(self) -> float:
+        """Factor of the squared residuals."""
+
     def at(self, x: Floats) -> Term:
         """The term at the (n,) unknowns."""
         ...

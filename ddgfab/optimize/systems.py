@@ -47,6 +47,7 @@ class Direct:
 
     @staticmethod
     def of(solver: SymmetricSolver, hessian: csr_array, lines: csr_array, eps: float) -> Direct:
+        """Of the Hessian and the lines of the constraints; `eps` mends lines that depend."""
         rows = lines.shape[0]
         if rows == 0:
             return Direct(solver.factor(hessian), 0.0)
@@ -71,6 +72,7 @@ class Dual:
 
     @staticmethod
     def of(solver: SymmetricSolver, diagonal: Floats, lines: csr_array, eps: float) -> Dual:
+        """Of the diagonal of H and the lines of the constraints; `eps` mends lines that depend."""
         inverse = 1.0 / diagonal
         product = csr_array(lines @ diags_array(inverse) @ lines.T)
         mend = eps * float(product.diagonal().mean())

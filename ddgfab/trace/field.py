@@ -5,6 +5,7 @@ Source: do Carmo, Differential Geometry of Curves and Surfaces, 3.3.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Final
 
@@ -21,14 +22,14 @@ LEAST_ANGLE_DEG: Final = 15.0
 """Conjugate families that meet at a smaller angle [deg] make no usable cells."""
 
 
-class Field:
+class Field(ABC):
     """Two directions at each point of a surface."""
 
     surface: SplineSurface
 
+    @abstractmethod
     def directions(self, jets: Jets, family: int) -> Floats:
         """(n, 2) parameter directions of family 0 or 1, of unit length on the surface."""
-        raise NotImplementedError
 
 
 class PrincipalField(Field):

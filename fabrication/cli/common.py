@@ -8,11 +8,14 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
+    from ddgfab.io import ReadResult
     from fabrication.progress import Progress
 
 app = typer.Typer(
@@ -51,6 +54,44 @@ Weld = Annotated[
         help="Vertices nearer than this [mm] are one; default: what the digits of the file leave."
     ),
 ]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a command reads mesh files: its options."""
+
+    units: str | None = None
+    scale: float = 1.0
+    up: str = "z"
+    flip: bool = False
+    quads: bool = False
+    weld: float | None = None
+
+    def read(self, path: Path) -> ReadResult:
+        """The mesh of a file [mm]."""
+        from ddgfab.io import STATED, read_mesh
+
+        return read_mesh(
+            path,
+            self.scale,
+            units=self.units or STATED,
+            merge=self.weld,
+            up=self.up,
+            flip=self.flip,
+            quads=self.quads,
+        )
+
+    def arguments(self) -> list[str]:
+        """The options that are not as they are by default, for commands to try next."""
+        found = []
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value == field.default:
+                continue
+            found.append(f"--{field.name}")
+            if value is not True:
+                found.append(f"{value:g}" if isinstance(value, float) else str(value))
+        return found
 
 
 def comma_list(text: str) -> list[str]:

@@ -14,6 +14,7 @@ from fabrication.cli.common import (
     Debug,
     Flip,
     Quads,
+    Reading,
     Scale,
     Units,
     Up,
@@ -37,18 +38,25 @@ def inspect_command(
 ) -> None:
     """What kind of net a mesh is, and how far from planar, circular, conical, torsion-free."""
     with errors(debug):
-        from ddgfab.io import STATED, read_mesh
+        from ddgfab.io import unlikely_size
         from ddgfab.measures import inspect
 
-        read = read_mesh(
-            mesh, scale, units=units or STATED, merge=weld, up=up, flip=flip, quads=quads
-        )
+        read = Reading(units, scale, up, flip, quads, weld).read(mesh)
         report = inspect(read.mesh)
+        notes = list(read.notes)
+        if unlikely := unlikely_size(report.edge_length[1]):
+            notes.append(f"{unlikely}: is the file in another unit? (--units m, --scale 0.001)")
         if as_json:
-            record = {"file": read.file, "sha256": read.sha256, "notes": list(read.notes)}
+            record = {
+                "file": read.file,
+                "sha256": read.sha256,
+                "units": read.units,
+                "origin_mm": read.origin.tolist(),
+                "notes": notes,
+            }
             typer.echo(json.dumps({**record, **report.to_dict()}, indent=1))
             return
-        for note in read.notes:
+        for note in notes:
             typer.echo(f"note: {note}")
         typer.echo(report.text())
 

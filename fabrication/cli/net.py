@@ -63,7 +63,7 @@ def net_command(
             summary = str(report)
         counts = "" if circles is None else _write_circles(circles, mesh)
         target = output or Path(f"{kind}.obj")
-        write_mesh(target, mesh)
+        write_mesh(target, mesh, units="mm")
         typer.echo(f"{summary}\n{mesh!r}\nwritten to {target} [mm]{counts}")
 
 

@@ -15,6 +15,7 @@ from fabrication.cli.common import (
     Debug,
     Flip,
     Quads,
+    Reading,
     Scale,
     Units,
     Up,
@@ -27,12 +28,13 @@ from fabrication.cli.common import (
 
 if TYPE_CHECKING:
     from ddgfab.errors import OptimizeError
+    from ddgfab.mesh import Floats, Mesh
     from ddgfab.optimize import OptimizeResult
 
 
 @app.command("optimize")
 def optimize_command(
-    source: Annotated[Path, typer.Argument(help="OBJ, OFF or PLY.")],
+    source: Annotated[Path, typer.Argument(help="OBJ, OFF, PLY, STL or COMPAS JSON.")],
     target: Annotated[Path, typer.Argument(help="OBJ, OFF or PLY to write.")],
     goal: Annotated[
         str, typer.Option(help="planar, circular, conical, torsion-free or families.")
@@ -80,7 +82,7 @@ def optimize_command(
     from ddgfab.errors import OptimizeError
 
     with errors(debug), progress() as report:
-        from ddgfab.io import STATED, check_target, read_mesh, write_mesh
+        from ddgfab.io import check_target
         from ddgfab.io.atomic import atomic_path
         from ddgfab.optimize import TorsionFreeResult
         from ddgfab.optimize.report import comparison, comparison_text
@@ -93,24 +95,23 @@ def optimize_command(
         if keep != "balanced":
             given["keep"] = toml_value(keep)
         settings = _settings(given, fix, features, max_movement, change or [])
-        read = read_mesh(
-            source, scale, units=units or STATED, merge=weld, up=up, flip=flip, quads=quads
-        )
-        reference = (
-            None if surface is None else read_mesh(surface, scale, units=units or STATED).mesh
-        )
+        reading = Reading(units, scale, up, flip, quads, weld)
+        read = reading.read(source)
+        reference = None
+        if surface is not None:
+            near = reading.read(surface)
+            reference = near.mesh.with_vertices(near.in_place.vertices - read.origin)
         try:
             result = optimized_mesh(read.mesh, settings, report, surface=reference)
         except OptimizeError as error:
             if debug:
                 raise
-            _write_missed(error, source, target, scale, given)
+            _write_missed(error, source, target, reading, read.origin, given)
             raise typer.Exit(FAILED) from None
         record = {"file": read.file, "sha256": read.sha256, **comparison(result)}
         if isinstance(result, TorsionFreeResult):
             record["axes"] = result.axes.tolist()
-        placed = result.mesh.with_vertices(result.mesh.vertices + read.origin)
-        write_mesh(target, placed, units="mm")
+        _write(target, result.mesh, read.origin)
         with atomic_path(target.with_suffix(".json")) as temporary:
             temporary.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
         warning = _draw(target, result) if picture else ""
@@ -151,11 +152,22 @@ def _settings(
     return make_project({"optimize": given}).optimize
 
 
+def _write(path: Path, mesh: Mesh, origin: Floats) -> None:
+    """Write a mesh [mm] where its file had it."""
+    from ddgfab.io import write_mesh
+
+    write_mesh(path, mesh.with_vertices(mesh.vertices + origin), units="mm")
+
+
 def _write_missed(
-    error: OptimizeError, source: Path, target: Path, scale: float, given: dict[str, Any]
+    error: OptimizeError,
+    source: Path,
+    target: Path,
+    reading: Reading,
+    origin: Floats,
+    given: dict[str, Any],
 ) -> None:
     """Print what failed and what to try, and write the best mesh reached beside the target."""
-    from ddgfab.io import write_mesh
     from ddgfab.optimize import OptimizeResult
 
     typer.echo(f"FAILED {error}", err=True)
@@ -163,11 +175,11 @@ def _write_missed(
         typer.echo(f"{target} was not written", err=True)
         return
     best = target.with_name(f"{target.stem}.missed.obj")
-    write_mesh(best, error.result.mesh)
+    _write(best, error.result.mesh, origin)
     typer.echo(f"the best mesh reached: {best} [mm]; {target} was not written", err=True)
     if error.result.advice:
         changed = given | {_KEYS.get(name, name): value for name, value in error.result.advice}
-        typer.echo(f"next: {_command(source, target, scale, changed)}", err=True)
+        typer.echo(f"next: {_command(source, target, reading, changed)}", err=True)
 
 
 _KEYS: Final = {"flat": "flat_percent", "distance_limit": "distance_limit_edges"}
@@ -184,11 +196,9 @@ _OPTIONS: Final = {
 """Options of the command for keys of [optimize]; the others are given by --set."""
 
 
-def _command(source: Path, target: Path, scale: float, settings: dict[str, Any]) -> str:
+def _command(source: Path, target: Path, reading: Reading, settings: dict[str, Any]) -> str:
     """The command that optimizes with these settings."""
-    arguments = ["ddgfab", "optimize", str(source), str(target)]
-    if scale != 1.0:
-        arguments += ["--scale", f"{scale:g}"]
+    arguments = ["ddgfab", "optimize", str(source), str(target), *reading.arguments()]
     for key, value in settings.items():
         if key in ("goal", "boundary") and value == _DEFAULTS[key]:
             continue

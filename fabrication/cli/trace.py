@@ -43,8 +43,8 @@ def trace_command(
 ) -> None:
     """Trace a net of nearly planar quads on a surface: curvature lines, or conjugate lines.
 
-    Writes the mesh [mm], trimmed exactly at the rim of the surface, and reports spacing, planarity
-    and umbilics. `ddgfab optimize` makes its faces planar.
+    Writes the mesh [mm], trimmed at the rim of the surface (curved trims as polygons of 96 sides an
+    edge), and reports spacing, planarity and umbilics. `ddgfab optimize` makes its faces planar.
     """
     with errors(debug):
         from ddgfab.errors import InputError
@@ -71,7 +71,7 @@ def trace_command(
             along=None if along is None else _vector(along),
             turn=None if turn is None else math.radians(turn),
         )
-        write_mesh(output, found.mesh)
+        write_mesh(output, found.mesh, units="mm")
         if as_json:
             typer.echo(json.dumps(found.quality.to_dict(), indent=1))
         else:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from fabrication.formats.base import REJECTED_KIND
 from fabrication.specs import Check, Role
 
 SHOWN: Final = 5
 """How many parts a problem names in its text; the manifest names all."""
+
+REJECTED: Final = "rejected"
+"""Folder, inside the output folder, of the parts that failed a check or a limit."""
 
 UNITS: Final = {"_deg": "deg", "_mm": "mm", "_percent": "%", "_kg": "kg", "_mm3": "mm3"}
 """Units by the ending of a check's name."""
@@ -103,3 +107,25 @@ def _words(name: str) -> tuple[str, str]:
 
 def _number(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:.4g}"
+
+
+def lines_of(checks: Sequence[Check]) -> list[str]:
+    """Checks of the whole that failed, a line each."""
+    return [
+        f"{c.name}: {c.value}" + ("" if c.limit is None else f" (limit {c.limit})")
+        for c in checks
+        if not c.passed
+    ]
+
+
+def rejections(failed: Sequence[str]) -> list[str]:
+    """What became of the pieces that failed, for people."""
+    if not failed:
+        return []
+    more = f" and {len(failed) - SHOWN} more" if len(failed) > SHOWN else ""
+    return [
+        f"{len(failed)} {'part is' if len(failed) == 1 else 'parts are'} rejected "
+        f"({', '.join(failed[:SHOWN])}{more}): do not order "
+        f"{'it' if len(failed) == 1 else 'them'}. Schedules have the status, files of part numbers "
+        f"are in {REJECTED}/, in the assembly their layer is {REJECTED_KIND.layer}"
+    ]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from fabrication.formats import registry
-from fabrication.formats.base import REJECTED_KIND, Format, Part, Whole
+from fabrication.formats.base import Format, Part, Whole
 from fabrication.job.folder import OutputFolder, safe_name
 from fabrication.job.limits import check_limits
 from fabrication.job.manifest import (
@@ -24,14 +24,11 @@ from fabrication.job.manifest import (
 )
 from fabrication.job.part import PARTS, Made, Shop, make_parts, read_back
 from fabrication.job.pool import Workers, worker_pool
-from fabrication.job.problems import SHOWN, Problem, problems_of
+from fabrication.job.problems import REJECTED, Problem, lines_of, problems_of, rejections
 from fabrication.job.product import Design, Product
 from fabrication.job.whole import draw, write_whole
 from fabrication.progress import Progress, silent
 from fabrication.specs import Check
-
-REJECTED: Final = "rejected"
-"""Folder, inside the output folder, of the parts that failed a check or a limit."""
 
 BATCH: Final = 24
 """Most part numbers that a process takes at a time."""
@@ -283,7 +280,7 @@ class _Job:
         checks = self._checks()
         roles = {piece.mark: piece.kind.role for piece in self.product.pieces}
         problems = problems_of(roles, ((mark, c) for mark, own in checks.items() for c in own))
-        lines = [str(problem) for problem in problems] + _lines(extra)
+        lines = [str(problem) for problem in problems] + lines_of(extra)
         for format in self.formats:
             if format.report:
                 told = replace(whole, problems=tuple(lines))
@@ -292,7 +289,7 @@ class _Job:
                 self.warnings += missed
                 self._add(seconds)
                 extra += found
-                lines += _lines(found)
+                lines += lines_of(found)
         self.tell("manifest", 0, 0)
         manifest = self._manifest(whole.failed, checks, extra, problems)
         write_manifest(self.shop.folder / MANIFEST, manifest)
@@ -318,7 +315,7 @@ class _Job:
         )
         manifest["problems"] = [problem.to_dict() for problem in problems]
         manifest["rejected"] = sorted(failed)
-        manifest["notes"] = [*_rejections(sorted(failed)), *product.notes, *self.warnings]
+        manifest["notes"] = [*rejections(sorted(failed)), *product.notes, *self.warnings]
         return manifest
 
     @contextmanager
@@ -336,25 +333,3 @@ def _batches(items: Sequence[_T]) -> list[list[_T]]:
     """The items in batches for one process each."""
     size = max(1, min(BATCH, -(-len(items) // SHARES)))
     return [list(items[i : i + size]) for i in range(0, len(items), size)]
-
-
-def _lines(checks: Sequence[Check]) -> list[str]:
-    """Checks of the whole that failed, a line each."""
-    return [
-        f"{c.name}: {c.value}" + ("" if c.limit is None else f" (limit {c.limit})")
-        for c in checks
-        if not c.passed
-    ]
-
-
-def _rejections(failed: Sequence[str]) -> list[str]:
-    """What became of the pieces that failed, for people."""
-    if not failed:
-        return []
-    more = f" and {len(failed) - SHOWN} more" if len(failed) > SHOWN else ""
-    return [
-        f"{len(failed)} {'part is' if len(failed) == 1 else 'parts are'} rejected "
-        f"({', '.join(failed[:SHOWN])}{more}): do not order "
-        f"{'it' if len(failed) == 1 else 'them'}. Schedules have the status, files of part numbers "
-        f"are in {REJECTED}/, in the assembly their layer is {REJECTED_KIND.layer}"
-    ]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ddgfab.errors import InputError
-from ddgfab.io import read_mesh
+from ddgfab.io import STATED, read_mesh
 from ddgfab.surfaces.analytic import SURFACES, named_surface
 from ddgfab.surfaces.fit import fit_mesh
 from ddgfab.surfaces.spline import SplineSurface
@@ -16,7 +16,7 @@ CAD_SUFFIXES: Final = (".step", ".stp", ".iges", ".igs")
 """Files that the CAD kernel reads."""
 
 MESH_SUFFIXES: Final = (".obj", ".off", ".ply")
-"""Meshes, to which a smooth surface is fitted."""
+"""Meshes, to which a smooth surface is fitted; millimetres unless they state their unit."""
 
 
 def find_surface(
@@ -47,7 +47,8 @@ def find_surface(
     if suffix in MESH_SUFFIXES:
         if parameters or face is not None:
             raise InputError("parameters and faces are not for meshes", file=text)
-        return fit_mesh(read_mesh(Path(text)).mesh, name=Path(text).name).surface
+        mesh = read_mesh(Path(text), units=STATED).in_place
+        return fit_mesh(mesh, name=Path(text).name).surface
     if face is not None:
         raise InputError(f"face {face}: only STEP and IGES files have faces")
     known = (*CAD_SUFFIXES, *MESH_SUFFIXES)

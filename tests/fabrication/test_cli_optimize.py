@@ -16,6 +16,7 @@ from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
 from fabrication import design
 from fabrication.cli import app
+from fabrication.cli.common import Reading
 
 EDGE_MM = 1000.0
 
@@ -155,3 +156,29 @@ def test_project_section(roof: Path) -> None:
     assert planarity_percent(plan.mesh).max() <= 0.2
     assert plan.support.torsion_free
     assert design(str(roof), panel={"kind": "none"}).optimized is None
+
+
+def test_far_away_in_metres_the_result_lies_where_the_source_lay(tmp_path: Path) -> None:
+    away = np.array([456789.0, 5412345.0, 430.0])
+    mesh = skew()
+    near, far = tmp_path / "near.obj", tmp_path / "far.obj"
+    write_mesh(near, mesh)
+    write_mesh(far, mesh.with_vertices(mesh.vertices / 1000.0 + away), units="m")
+    code, text = run("optimize", near, tmp_path / "a.obj", "--no-picture")
+    assert code == 0, text
+    # The surface has the source's corner cut off: its own local origin would be another one.
+    part = Mesh.build(mesh.vertices / 1000.0 + away, mesh.faces[1:])
+    write_mesh(tmp_path / "part.obj", part, units="m")
+    for extra in ((), ("--surface", far), ("--surface", tmp_path / "part.obj")):
+        code, text = run("optimize", far, tmp_path / "b.obj", "--no-picture", *extra)
+        assert code == 0, text
+        one = read_mesh(tmp_path / "a.obj", units="stated").mesh.vertices
+        other = read_mesh(tmp_path / "b.obj", units="stated").in_place.vertices
+        limit = 1.0 if extra[1:] != (tmp_path / "part.obj",) else 100.0  # [mm]
+        assert np.abs(other - 1000.0 * away - one).max() < limit
+
+
+def test_the_next_command_reads_the_mesh_the_same_way() -> None:
+    assert Reading().arguments() == []
+    given = Reading("cm", 2.0, "-y", True, True, 0.5).arguments()
+    assert " ".join(given) == "--units cm --scale 2 --up -y --flip --quads --weld 0.5"

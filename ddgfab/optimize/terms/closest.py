@@ -7,6 +7,7 @@ many small ones cost nothing, and only candidates that can still be nearer are c
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -37,7 +38,7 @@ class _Class:
     radius: float
 
 
-class _Tree:
+class _Tree(ABC):
     """What segments and triangles share."""
 
     def __init__(self, shapes: Floats) -> None:
@@ -57,9 +58,9 @@ class _Tree:
             self._classes.append(_Class(ids, cKDTree(centers[ids]), float(self._radii[ids].max())))
         self._classes.sort(key=lambda c: -len(c.ids))
 
+    @abstractmethod
     def feet(self, points: Floats, which: Ints) -> Floats:
         """(n, 3) nearest points of shapes (n,) to points (n, 3)."""
-        raise NotImplementedError
 
     def nearest(self, points: Floats) -> tuple[Floats, Ints]:
         """(n, 3) nearest points, (n,) the shapes they lie on."""

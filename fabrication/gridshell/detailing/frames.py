@@ -32,10 +32,12 @@ class Axes(Protocol):
     """What detailing needs of a support structure: its mesh and (V, 3) unit node axes, upwards."""
 
     @property
-    def mesh(self) -> Mesh: ...
+    def mesh(self) -> Mesh:
+        """The net."""
 
     @property
-    def axes(self) -> Floats: ...
+    def axes(self) -> Floats:
+        """(V, 3) unit node axes."""
 
 
 def beam_mark(edge: int) -> str:
