@@ -113,6 +113,19 @@ def sections_of(changes: list[str]) -> dict[str, dict[str, Any]]:
     return sections
 
 
+def values_of(changes: list[str], what: str = "parameter") -> dict[str, Any]:
+    """`key=value` as a dictionary; the value is TOML, or text without quotes."""
+    from ddgfab.errors import InputError
+
+    values = {}
+    for change in changes:
+        name, equals, value = change.partition("=")
+        if not (equals and name.strip()):
+            raise InputError(f"--set {change}: expected {what}=value")
+        values[name.strip()] = toml_value(value)
+    return values
+
+
 def toml_value(text: str) -> Any:
     """A TOML value, or text without quotes."""
     import tomllib

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fabrication.cli.common import Debug, app, errors, toml_value
+from fabrication.cli.common import Debug, app, errors, values_of
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Mesh
@@ -48,12 +48,7 @@ def net_command(
             return
         if kind is None:
             raise InputError(f"which kind of net? One of {', '.join(kinds())}; see --list")
-        parameters = {}
-        for text in change or []:
-            name, equals, value = text.partition("=")
-            if not equals:
-                raise InputError(f"--set {text}: expected parameter=value")
-            parameters[name.strip()] = toml_value(value)
+        parameters = values_of(change or [])
         mesh = generate(kind, parameters)
         summary = find_generator(kind).summary
         if offset is not None:

@@ -24,6 +24,7 @@ from fabrication.cli.common import (
     errors,
     progress,
     toml_value,
+    values_of,
 )
 
 if TYPE_CHECKING:
@@ -144,11 +145,7 @@ def _settings(
         given["feature_angle_deg"] = float(features)
     if max_movement is not None:
         given["max_movement_mm"] = float(max_movement)
-    for change in changes:
-        name, equals, value = change.partition("=")
-        if not equals:
-            raise InputError(f"--set {change}: expected key=value")
-        given[name.strip()] = toml_value(value)
+    given |= values_of(changes, "key")
     return make_project({"optimize": given}).optimize
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from fabrication.cli.common import Debug, app, errors, toml_value
+from fabrication.cli.common import Debug, app, errors, values_of
 
 
 @app.command("trace")
@@ -59,12 +59,7 @@ def trace_command(
         if surface is None:
             raise InputError(f"which surface? A STEP file or one of {', '.join(SURFACES)}")
         check_target(output)
-        parameters = {}
-        for text in change or []:
-            name, equals, value = text.partition("=")
-            if not equals:
-                raise InputError(f"--set {text}: expected parameter=value")
-            parameters[name.strip()] = toml_value(value)
+        parameters = values_of(change or [])
         found = trace(
             find_surface(surface, parameters, face),
             (spacing, spacing if across is None else across),
