@@ -49,6 +49,7 @@ GEOMETRY_ROOMS = [
     "optimize",
     "forms",
     "linkages",
+    "__main__",
 ]
 # A room of fabrication may import itself and the rooms before it.
 ROOMS = [

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from fabrication.cli.common import app
+from fabrication.cli.common import app, output
 
 # Imported for their commands, in the order in which `--help` lists them.
 # isort: off
@@ -19,7 +19,8 @@ __all__ = ["app", "main"]
 
 def main() -> None:
     """Entry point of the console script `ddgfab`."""
-    app()
+    with output():
+        app(prog_name="ddgfab")
 
 
 def _print_version(asked: bool) -> None:

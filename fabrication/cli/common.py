@@ -137,6 +137,20 @@ def toml_value(text: str) -> Any:
 
 
 @contextmanager
+def output() -> Iterator[None]:
+    """Standard output that a full disk ends: one message, also for what commands do not write."""
+    try:
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+    except OSError as error:
+        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
+        typer.echo(f"error: output cannot be written: {error.strerror}", err=True)
+        raise SystemExit(BAD_INPUT) from None
+
+
+@contextmanager
 def errors(debug: bool) -> Iterator[None]:
     """One clear message and the right exit code; a traceback only with --debug."""
     from ddgfab.errors import DdgError
@@ -161,7 +175,7 @@ def errors(debug: bool) -> Iterator[None]:
         sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
         raise typer.Exit(DONE) from None
     except Exception as error:
-        if debug:
+        if debug or (isinstance(error, OSError) and error.filename is None):  # see `output`
             raise
         kind = type(error).__name__
         typer.echo(

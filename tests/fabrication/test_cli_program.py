@@ -52,6 +52,20 @@ def test_bad_usage_keeps_exit_code_2() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+@pytest.mark.parametrize("words", [["--help"], ["net", "--help"], ["net", "--list"]])
+def test_a_full_disk_is_one_message(words: list[str]) -> None:
+    with Path("/dev/full").open("w") as full:
+        job = subprocess.run(
+            [*PROGRAM, *words], stdout=full, stderr=subprocess.PIPE, cwd=ROOT, check=False
+        )
+    said = job.stderr.decode()
+    assert job.returncode == 2, said
+    assert said.startswith("error: output cannot be written")
+    assert said.count("\n") == 1
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [["net", "--list"], ["inspect", "roof.obj", "--json"]])
 def test_a_closed_pipe_is_no_fault(words: list[str], tmp_path: Path) -> None:
     """The reader is gone before the first line, as with `| head` on a longer output."""
