@@ -26,6 +26,14 @@ def grid_mesh(points: ArrayLike, closed: tuple[bool, bool] = (False, False)) -> 
     ------
     MeshError
         Wrong shape, or a closed direction with fewer than three lines.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.dstack([*np.meshgrid([0.0, 1, 2], [0.0, 1], indexing="ij"), np.zeros((3, 2))])
+    >>> mesh = grid_mesh(points)
+    >>> mesh.n_vertices, mesh.n_faces
+    (6, 2)
     """
     net = np.asarray(points, dtype=np.float64)
     if net.ndim != 3 or net.shape[2] != 3 or min(net.shape[:2]) < 2:

@@ -31,6 +31,13 @@ def shift(values: ArrayLike, axis: int, step: int = 1, *, periodic: bool = False
     InputError
         As many steps as there are points, or more, in a direction that is not periodic.
 
+    Examples
+    --------
+    >>> shift([1.0, 2.0, 4.0], 0)
+    array([2., 4.])
+    >>> shift([1.0, 2.0, 4.0], 0, periodic=True)
+    array([2., 4., 1.])
+
     Source: mathematics.md 1.1.
     """
     array = np.asarray(values, dtype=np.float64)
@@ -45,7 +52,15 @@ def shift(values: ArrayLike, axis: int, step: int = 1, *, periodic: bool = False
 
 @checked
 def difference(values: ArrayLike, axis: int, *, periodic: bool = False) -> Floats:
-    """Delta_k x = x_k - x: one shorter in the direction, or as long when periodic."""
+    """Delta_k x = x_k - x: one shorter in the direction, or as long when periodic.
+
+    Examples
+    --------
+    >>> difference([1.0, 2.0, 4.0], 0)
+    array([1., 2.])
+    >>> difference([1.0, 2.0, 4.0], 0, periodic=True)
+    array([ 1.,  2., -3.])
+    """
     array = np.asarray(values, dtype=np.float64)
     if periodic:
         return np.asarray(np.roll(array, -1, axis=axis) - array)

@@ -85,6 +85,13 @@ def classify_offset(
     MeshError
         Another number of vertices.
 
+    Examples
+    --------
+    >>> from ddgfab.forms.registry import generate
+    >>> mesh = generate("conical")
+    >>> classify_offset(mesh, face_offset(mesh, 100.0)).constant
+    ('face',)
+
     Source: Pottmann, Liu, Wallner, Bobenko, Wang 2007, section 3; mathematics.md 10.7.
     """
     moved = other.vertices if isinstance(other, Mesh) else np.asarray(other, dtype=np.float64)

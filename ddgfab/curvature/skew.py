@@ -1,4 +1,5 @@
 """Curvature of nets of skew quads from their normals, and its exact value on K-nets.
+
 mathematics.md 8.3.
 
 Source: Hoffmann, Sageman-Furnas, Wardetzky, A discrete parametrized surface theory in R^3, 2017.

@@ -64,6 +64,20 @@ def steiner_curvatures(
     DegenerateError
         A face without area; names it.
 
+    Examples
+    --------
+    A cube that touches the unit sphere is its own Gauss image.
+
+    >>> from ddgfab.forms.registry import generate
+    >>> from ddgfab.mesh import Mesh
+    >>> cube = Mesh.build(
+    ...     [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)],
+    ...     [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]],
+    ... )
+    >>> curvatures = steiner_curvatures(cube, cube.vertices)
+    >>> curvatures.mean, curvatures.gauss
+    (array([-1., -1., -1., -1., -1., -1.]), array([1., 1., 1., 1., 1., 1.]))
+
     Source: mathematics.md 8.2 (with K = +A(sigma) / A(f), as Steiner's formula says).
     """
     sigma = np.asarray(gauss_image, dtype=np.float64)

@@ -66,6 +66,11 @@ def generate(
         Values that are each within limits but make a degenerate net together; names the cell.
     MeshError
         A file that cannot be used.
+
+    Examples
+    --------
+    >>> generate("conical", {"panels_along": 6, "panels_across": 4}).n_faces
+    24
     """
     entry = find_generator(kind)
     given = dict(parameters or {})

@@ -161,8 +161,10 @@ def _by_tokens(rows: list[Row], counts: tuple[int, int], values: int, file: str)
 
 
 def _is_color(tokens: list[tuple[int, str]], stop: int, ends: dict[int, int]) -> bool:
-    """Whether the rest of the line in which a face ends is its color: three or four numbers, of
-    which one has a point, or which no face could begin with."""
+    """Whether the rest of the line in which a face ends is its color.
+
+    A color is three or four numbers, of which one has a point, or which no face could begin with.
+    """
     left = ends[tokens[stop - 1][0]] - stop
     if not 1 <= left <= 4:
         return False

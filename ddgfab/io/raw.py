@@ -49,7 +49,7 @@ class RawMesh:
         return MeshError(reason, file=self.file, line=line)
 
     def line_of(self, face: int) -> str:
-        """ " (line 7)" for a face of a text file, otherwise nothing; for messages."""
+        """Text such as " (line 7)" for a face of a text file, otherwise empty; for messages."""
         return "" if self.face_lines is None else f" (line {int(self.face_lines[face])})"
 
     @staticmethod

@@ -51,8 +51,9 @@ def walk(n: Numbers, edge: Numbers, deltas: Numbers, turns: Numbers, sign: float
 def line(
     n: Numbers, edge: Numbers, deltas: Numbers, turns: Numbers, anchor: int, sign: float
 ) -> Numbers:
-    """(k + 1, T, 3) normals of a whole line from the normal at vertex `anchor`, not its last one,
-    and the direction of the edge that leaves it there.
+    """(k + 1, T, 3) normals of a whole line from one of them and the edge that leaves it there.
+
+    The normal given is that at vertex `anchor`, which is not the last one.
     """
     ahead = walk(n, edge, deltas[anchor:], turns[anchor:], sign)
     if not anchor:

@@ -88,6 +88,14 @@ def mobility(bars: ArrayLike, pose: Pose) -> int:
     DegenerateError
         The singular values of a step show no gap, so the rank is not determined; names the hinge.
 
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from ddgfab.linkages.isogram import bennett
+    >>> linkage = bennett(60.0, np.radians(30), beta=np.radians(90))
+    >>> mobility(linkage.bars, linkage.pose(1.0))
+    1
+
     Source: mathematics.md 4.2, 4.3.
     """
     ids = _checked(np.asarray(bars), pose)

@@ -53,6 +53,13 @@ def bennett(
         Lengths that are not positive, twists outside (0, pi), ratios that differ by more than
         1e-9, alpha = beta (the loop only folds), neither b nor beta, a driver outside (0, 2 pi).
 
+    Examples
+    --------
+    >>> import numpy as np
+    >>> linkage = bennett(60.0, np.radians(30), beta=np.radians(90))
+    >>> linkage.lengths.round(6)
+    array([ 60.,  60., 120., 120.])
+
     Source: mathematics.md 4.1.
     """
     a, alpha = positive_length(a, "a"), proper_twist(alpha, "alpha")

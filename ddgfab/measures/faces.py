@@ -58,6 +58,15 @@ def planarity_percent(mesh: Mesh) -> Floats:
     -------
     (F,) [%]
 
+    Examples
+    --------
+    A unit square with one corner lifted by 0.1: its diagonals pass each other at half the height.
+
+    >>> from ddgfab.mesh import Mesh
+    >>> quad = Mesh.build([[0, 0, 0], [1, 0, 0], [1, 1, 0.1], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> planarity_percent(quad).round(2)
+    array([3.52])
+
     Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3; mathematics.md 1.3.
     """
     result = np.zeros(mesh.n_faces)

@@ -133,6 +133,12 @@ def inspect(mesh: Mesh, *, unit: str = "mm", worst: int = 5) -> Report:
     Means are over the elements for which a measure is defined: faces with four corners or more
     for planarity and circularity, quads for opposite sides, inner vertices of valence 4 or more
     for the conical defect, vertices of valence 3 or more for stars, inner edges for dihedrals.
+
+    Examples
+    --------
+    >>> from ddgfab.forms.registry import generate
+    >>> inspect(generate("rotational")).kind.split(" (")[0]
+    'conical and circular net'
     """
     inner = ~mesh.boundary_vertex & (mesh.valences > 0)
     many = mesh.face_sizes > 3

@@ -35,6 +35,12 @@ def circumcircle(p: ArrayLike, q: ArrayLike, r: ArrayLike) -> tuple[Floats, Floa
     DegenerateError
         Three points on a line; names their index.
 
+    Examples
+    --------
+    >>> center, radius, normal = circumcircle([1.0, 0, 0], [0.0, 1, 0], [-1.0, 0, 0])
+    >>> float(radius), normal
+    (1.0, array([0., 0., 1.]))
+
     Source: mathematics.md 2.1.
     """
     first, second, third = columns(p, q, r)

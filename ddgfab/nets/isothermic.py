@@ -57,6 +57,14 @@ def cross_ratio_labels(points: ArrayLike) -> tuple[tuple[Floats, ...], float]:
     DegenerateError
         Neighbouring corners of a quad coincide, or a cross-ratio is zero; names the quad.
 
+    Examples
+    --------
+    >>> import numpy as np
+    >>> squares = np.stack(np.meshgrid([0.0, 1, 2], [0.0, 1, 2], indexing="ij"), axis=-1)
+    >>> labels, defect = cross_ratio_labels(squares)
+    >>> labels
+    (array([1., 1.]), array([-1., -1.]))
+
     Source: mathematics.md 6.1.
     """
     x = net_points(points)
@@ -130,6 +138,13 @@ def isothermic_point(
         Shapes that do not go together, entries that are not finite.
     DegenerateError
         Equal labels, an edge of no length, or a fourth point at infinity; names the index.
+
+    Examples
+    --------
+    The cross-ratio of a square is -1.
+
+    >>> isothermic_point([0.0, 0], [1.0, 0], [0.0, 1], 1.0, -1.0)
+    array([1., 1.])
 
     Source: mathematics.md 6.1.
     """

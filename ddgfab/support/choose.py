@@ -75,6 +75,13 @@ def support_structure(
         An unknown kind; axes of the wrong shape; a kind that the net does not allow, with the
         defect; a triangle mesh (Prop. 5.2); no torsion-free axes; axes that lie in the surface
         (`LEAN_UPRIGHT_DEG`), as on nets along asymptotic lines.
+
+    Examples
+    --------
+    >>> from ddgfab.forms.registry import generate
+    >>> structure = support_structure(generate("conical"))
+    >>> structure.kind, structure.torsion_free
+    ('offset', True)
     """
     if kind not in get_args(SupportKind):
         raise SupportError(

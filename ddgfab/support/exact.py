@@ -77,8 +77,10 @@ def _successive_edges(mesh: Mesh) -> tuple[Ints, Ints, Ints]:
 
 
 def reflections(mesh: Mesh) -> tuple[Floats, list[Ints]]:
-    """(V, 3, 3) matrices that carry the axis of a component's first vertex to the others, by
-    reflections along a spanning tree, and the vertices of each component."""
+    """(V, 3, 3) matrices that carry the axis of a component's first vertex to the others.
+
+    They reflect along a spanning tree. With them come the vertices of each component.
+    """
     count = mesh.n_vertices
     start, end = mesh.edges.T
     graph = coo_array((np.ones(mesh.n_edges), (start, end)), shape=(count, count)).tocsr()

@@ -32,6 +32,11 @@ def invert(points: ArrayLike, centre: ArrayLike, radius: float) -> Floats:
     ------
     DegenerateError
         A point in the centre; names its index.
+
+    Examples
+    --------
+    >>> invert([2.0, 0.0, 0.0], [0.0, 0.0, 0.0], 1.0)
+    array([0.5, 0. , 0. ])
     """
     x = np.asarray(points, dtype=np.float64)
     away = x - np.asarray(centre, dtype=np.float64)

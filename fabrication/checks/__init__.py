@@ -1,0 +1,1 @@
+"""Checks of meshes, solids and whole assemblies against what the specs state."""

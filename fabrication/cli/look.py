@@ -66,7 +66,7 @@ def check_command(
     files: Annotated[list[Path], typer.Argument(help="STEP, STL or 3MF files.")],
     debug: Debug = False,
 ) -> None:
-    """Is each file closed and valid, and what is its volume?"""
+    """Check whether each file is closed and valid, and print its volume."""
     failed = False
     with errors(debug):
         from fabrication.formats.report import inspect_file

@@ -97,7 +97,9 @@ def missing(formats: Iterable[Format], *, checked: bool) -> None:
 
 
 def needs_kernel(formats: Iterable[str], *, checked: bool) -> bool:
-    """Whether the checks of some format load the CAD kernel; names of a product's own are passed
-    over."""
+    """Whether the checks of some format load the CAD kernel.
+
+    Names of formats that only one product has are passed over.
+    """
     known = names()
     return checked and any("OCP" in find(n).needs_to_check for n in formats if n in known)

@@ -12,8 +12,10 @@ HANDLE = 12.0
 
 
 def coupon_shape(settings: LinkageSettings) -> CouponShape:
-    """A plate as thick as an eye with one bore for each clearance that the printer's preset names,
-    labelled in hundredths of a millimetre a side."""
+    """A plate as thick as an eye with one bore for each clearance of the printer's preset.
+
+    The bores are labelled in hundredths of a millimetre a side.
+    """
     clearances = settings.printer.coupon
     bores = tuple(settings.pin_diameter + 2.0 * clearance for clearance in clearances)
     unit = max(settings.printer.stroke, 0.6)

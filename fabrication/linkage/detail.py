@@ -63,8 +63,10 @@ def detail_linkage(
 
 
 def touching_parts(linkage: Linkage) -> tuple[Clash, ...]:
-    """Parts too near each other in the design pose, worst first; then those on one pin whose
-    distance never changes."""
+    """Parts too near each other in the design pose, worst first.
+
+    Parts on one pin whose distance never changes come last.
+    """
     mechanism, solids = linkage.mechanism, bodies(linkage)
     pieces = ConvexPieces.build(mechanism, solids)
     rules = Rules.build(mechanism, solids, linkage.settings.axial_gap, JOINT_CLEARANCE)

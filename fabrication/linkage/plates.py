@@ -46,8 +46,10 @@ class Bed:
 
     @property
     def room(self) -> tuple[int, int]:
-        """The same for the packer, in its units, where every part has a gap beyond its far sides:
-        that of the last one may lie on the margin."""
+        """The same for the packer, in its units, where every part has a gap beyond its far sides.
+
+        The gap of the last one may lie on the margin.
+        """
         width, depth = (math.floor(GRID * (land + self.gap)) for land in self.land)
         return width, depth
 

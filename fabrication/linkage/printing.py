@@ -25,8 +25,10 @@ UPSIDE_DOWN: Final[Floats] = np.diag([1.0, -1.0, -1.0, 1.0])
 def printed_parts(
     families: Sequence[Family], meshes: Mapping[str, TriangleMesh], settings: LinkageSettings
 ) -> list[Printed]:
-    """What a printer makes, lying as it is printed: the axis of a hinge vertical, caps on their
-    floors, printed pins on their heads."""
+    """What a printer makes, lying as it is printed.
+
+    The axis of a hinge is vertical, caps lie on their floors, printed pins stand on their heads.
+    """
     return [
         Printed(f.number, meshes[f.number], lying(f), tuple(i.mark for i in f.instances))
         for f in families

@@ -223,8 +223,11 @@ class _Topology:
         return face if sign > 0.0 else face.Reversed()
 
     def _on_plane(self, arc: int, origin: Vec, one: Vec, two: Vec) -> Any:
-        """Curve of an edge in a plane's (u, v). The kernel could do without, but its check, which
-        would project every edge again and again, takes half as long with it."""
+        """Curve of an edge in a plane's (u, v).
+
+        The kernel does without, but its check, which would project every edge again and again,
+        takes half as long with it.
+        """
         k = self.k
         point = k.gp_Pnt2d(origin[0], origin[1])
         direction = k.gp_Dir2d(one[0], one[1])

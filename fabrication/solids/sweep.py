@@ -24,8 +24,9 @@ cylinder: what that misplaces is below rounding."""
 
 @dataclass(frozen=True)
 class End:
-    """One end of a sweep: the plane w = at + slope v + skew u, or a cylinder that touches it along
-    u = 0.
+    """One end of a sweep: a plane, or a cylinder that touches it along u = 0.
+
+    The plane is w = at + slope v + skew u.
 
     radius : of the coping cylinder, whose axis lies that far beyond the plane; None: flat.
     outward : +1 for the end the sweep runs to, -1 for the one it starts from.

@@ -147,8 +147,10 @@ class _Sampler:
 
 
 def _curvature(boundary: Boundary, rows: Ints) -> float:
-    """Greatest second derivative [mm/rad2] along some arcs: of circles the radius, of ellipses half
-    the length only where they turn."""
+    """Greatest second derivative [mm/rad2] along some arcs.
+
+    For circles it is the radius, for ellipses half the length only where they turn.
+    """
     first, last = boundary.arc_range[rows].T
     quarter = 0.5 * math.pi
     inner = (np.ceil(first / quarter)[:, None] + np.arange(3)) * quarter
@@ -194,8 +196,10 @@ def _strip(left: list[int], right: list[int], outward: bool) -> list[tuple[int, 
 
 
 def _without_slivers(triangles: list[list[int]], points: Floats) -> list[list[int]]:
-    """The same polygon without triangles whose corners are in line, such as those between the
-    letters of a row: each gives its longest side to the other diagonal of the two triangles there.
+    """The same polygon without triangles whose corners are in line.
+
+    Such triangles lie between the letters of a row: each gives its longest side to the other
+    diagonal of the two triangles there.
     """
 
     def longest(triangle: list[int]) -> tuple[list[int], bool]:

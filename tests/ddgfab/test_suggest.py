@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
-
-from ddgfab import suggest
 from ddgfab.suggest import nearest, suggestion
 
 NAMES = ["circular", "conical", "Profile", "end"]
@@ -20,8 +17,3 @@ def test_nearest_first_and_as_it_is_spelt() -> None:
 def test_suggestion_is_one_name_or_all() -> None:
     assert suggestion("Conicl", iter(NAMES)) == "did you mean conical?"
     assert suggestion("xyz", iter(NAMES)) == "known: circular, conical, Profile, end"
-
-
-def test_examples() -> None:
-    assert doctest.testmod(suggest).attempted == 2
-    assert not doctest.testmod(suggest).failed

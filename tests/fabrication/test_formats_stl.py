@@ -70,7 +70,9 @@ def test_text_stl_is_read_and_broken_ones_are_named(tmp_path: Path) -> None:
 def run(*command: str) -> str:
     if shutil.which(command[0]) is None:
         pytest.skip(f"{command[0]} is not installed")
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(
+        command, capture_output=True, text=True, errors="replace", timeout=120, check=True
+    )
     return done.stdout + done.stderr
 
 

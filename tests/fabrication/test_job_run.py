@@ -215,7 +215,9 @@ def test_prusaslicer_finds_every_stl_a_solid(small_folder: Path) -> None:
 @pytest.mark.skipif(shutil.which("admesh") is None, reason="admesh is not installed")
 def test_admesh_has_nothing_to_mend(small_folder: Path) -> None:
     for path in sorted((small_folder / "parts" / "stl").glob("*.stl")):
-        done = subprocess.run(["admesh", str(path)], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            ["admesh", str(path)], capture_output=True, text=True, errors="replace", check=False
+        )
         for fault in ("degenerate facets", "Edges fixed", "Facets removed", "Facets reversed"):
             counts = re.findall(rf"{fault}\s*:\s*(\d+)", done.stdout, flags=re.IGNORECASE)
             assert counts, (fault, done.stdout)

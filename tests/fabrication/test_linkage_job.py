@@ -380,7 +380,9 @@ def info(path: Path) -> str:
 @pytest.mark.skipif(shutil.which("admesh") is None, reason="admesh is not installed")
 def test_admesh_has_nothing_to_mend(made: JobResult) -> None:
     for path in sorted(made.folder.rglob("*.stl")):
-        said = subprocess.run(["admesh", str(path)], capture_output=True, text=True).stdout
+        said = subprocess.run(
+            ["admesh", str(path)], capture_output=True, text=True, errors="replace"
+        ).stdout
         counts = re.findall(
             r"(?:Edges fixed|Facets removed|Facets added|Facets reversed|"
             r"Backwards edges|Normals fixed|Degenerate facets)\s*:\s*(\d+)",

@@ -241,8 +241,9 @@ def knet_from_potential(
     edge: ArrayLike = (1.0, 0.0, 0.0),
     tolerance: float = NET_INPUT,
 ) -> KNet:
-    """The K-net of a solution of Hirota's equation, unique up to its place: inverts
-    `hirota_potential`.
+    """The K-net of a solution of Hirota's equation: the inverse of `hirota_potential`.
+
+    It is unique up to its place.
 
     The angle at the first point is phi of the first quad; the axes turn by chi of one quad less phi
     of the next, with phi = (h_1 + h_2) / 2 and chi = (h + h_12) / 2.

@@ -100,6 +100,13 @@ def pseudosphere(
     ------
     InputError
         alpha outside (0, pi / 2), no cells, an offset that is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> net = pseudosphere((4, 6), np.pi / 8)
+    >>> max(net.residuals().values()) < 1e-12
+    True
     """
     cells = (whole(cells[0], 1, "cells of direction 0"), whole(cells[1], 1, "cells of direction 1"))
     if not 0 < alpha < np.pi / 2:

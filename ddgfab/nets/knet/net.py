@@ -138,8 +138,9 @@ class KNet:
         )
 
     def residuals(self) -> dict[str, float]:
-        """Greatest violation of every defining condition (mathematics.md 3.5), relative to local
-        edges.
+        """Greatest violation of every defining condition, relative to local edges.
+
+        Source: mathematics.md 3.5.
 
         Returns
         -------

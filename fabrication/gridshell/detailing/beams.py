@@ -37,8 +37,10 @@ class Cuts:
 
 
 def end_cuts(frames: EdgeFrames, size: NodeSize, eccentricity: float) -> Cuts:
-    """Cuts parallel to the node axes, `size.cut` away from them, for beams moved up by
-    `eccentricity` [mm]."""
+    """Cuts parallel to the node axes and `size.cut` away from them.
+
+    The beams are moved up by `eccentricity` [mm].
+    """
     stretch = np.hypot(np.hypot(1.0, frames.slope), frames.skew)
     x = frames.slope * eccentricity + size.cut * stretch * [1.0, -1.0]
     x[:, 1] += frames.length

@@ -42,8 +42,11 @@ def _symmetric(profile: Profile) -> bool:
 
 
 def fibre_ends(shape: BeamShape) -> tuple[Floats, Floats]:
-    """x [mm] of both ends at the characteristic fibres: bottom and top, for coped ends in the
-    middle and at the sides of the profile; for skew cuts at its four corners, right side first."""
+    """x [mm] of both ends at the characteristic fibres of the profile.
+
+    These are its bottom and top, for coped ends in the middle and at the sides, for skew cuts its
+    four corners, right side first.
+    """
     z = np.array(z_range(shape.profile))
     half = 0.5 * shape.profile.width
 

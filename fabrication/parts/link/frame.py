@@ -113,8 +113,10 @@ def bar_radius(shape: LinkShape) -> float:
 
 
 def bar_sides(shape: LinkShape, eyes: tuple[Eye, Eye]) -> tuple[Frame, list[Vec]]:
-    """The bar's frame and the outward normals of its sides, none of them almost parallel to an
-    eye's axis."""
+    """The bar's frame and the outward normals of its sides.
+
+    None of them is almost parallel to the axis of an eye.
+    """
     corners = section_of(shape)
     for step in range(2 * len(corners) + 1):
         frame = bar_frame(shape, eyes, NUDGE * step)
@@ -171,8 +173,10 @@ def eye_angle(eye: Eye, point: Vec) -> float:
 def label_place(
     shape: LinkShape, eyes: tuple[Eye, Eye], frame: Frame, raised: float
 ) -> tuple[Vec, float]:
-    """Middle of the upper side of the bar, and how much of its length [mm] the eyes leave free, up
-    to `raised` [mm] above it."""
+    """Middle of the upper side of the bar, and how much of its length [mm] the eyes leave free.
+
+    The length is free up to `raised` [mm] above the bar.
+    """
     half = shape.bar_width / 2.0 - shape.bevel
     low, high = -math.inf, math.inf
     for rise in (0.0, raised) if raised > 0.0 else (0.0,):

@@ -58,7 +58,7 @@ class LinkShape:
 
     @property
     def hand(self) -> str:
-        """ "right" where the far axis is turned counterclockwise as it is seen coming near."""
+        """Hand "right" where the far axis is turned counterclockwise as it is seen coming near."""
         return "right" if self.twist > 0 else "left"
 
     def key(self) -> Hashable:

@@ -20,8 +20,10 @@ NODES: Final = 48
 
 
 def link_volume(shape: LinkShape) -> float:
-    """Volume [mm3] of a link from its numbers: eyes less bores, the bar's length integrated over
-    its section, less the label's dots."""
+    """Volume [mm3] of a link from its numbers.
+
+    Eyes less bores, the bar's length integrated over its section, less the label's dots.
+    """
     eyes = eyes_of(shape)
     frame = bar_sides(shape, eyes)[0]
     base = [np.array(vec) for vec in (frame.origin, frame.along, frame.across, frame.up)]
