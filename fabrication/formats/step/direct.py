@@ -35,7 +35,14 @@ from fabrication.formats.step.entities import (
 from fabrication.formats.step.geometry import LOCAL, BoundaryShell
 from fabrication.formats.step.kernel import KernelShell
 from fabrication.formats.step.records import Product, time_stamp
-from fabrication.formats.step.text import STYLE_IDS, quoted, real, style
+from fabrication.formats.step.text import (
+    STYLE_IDS,
+    header_list,
+    header_text,
+    quoted,
+    real,
+    style,
+)
 from fabrication.specs import Kind, Placement
 from fabrication.version import originating_system
 
@@ -176,12 +183,13 @@ class _Text:
     def file(self, header: Header, file_name: str, schema: Schema) -> bytes:
         """The whole file."""
         identity, application, protocol, year = SCHEMAS[schema]
-        system = quoted(originating_system())
+        system = header_text(originating_system())
         start = (
             "ISO-10303-21;\nHEADER;\n"
-            f"FILE_DESCRIPTION(({quoted(header.description or file_name)}),'2;1');\n"
-            f"FILE_NAME({quoted(file_name)},{quoted(time_stamp())},({quoted(header.author)}),"
-            f"({quoted(header.organization)}),{system},{system},'Unknown');\n"
+            f"FILE_DESCRIPTION({header_list(header.description or file_name)},'2;1');\n"
+            f"FILE_NAME({header_text(file_name)},{header_text(time_stamp())},"
+            f"{header_list(header.author)},{header_list(header.organization)},"
+            f"{system},{system},'Unknown');\n"
             f"FILE_SCHEMA(('{identity}'));\nENDSEC;\nDATA;\n"
         )
         common = COMMON % (protocol, year, application) + COMMON_CONTEXT

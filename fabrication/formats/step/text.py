@@ -5,7 +5,13 @@ from __future__ import annotations
 import re
 from typing import Final
 
-_OTHER: Final = re.compile(r"[^ -~]+")
+_CONTROL: Final = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]+")
+_WIDE: Final = re.compile("([\x80-\uffff]+)|([\U00010000-\U0010ffff]+)")
+_HALF: Final = re.compile("[\ud800-\udfff]")
+
+HEADER_STRING: Final = 256
+"""Most characters of a string in a header (ISO 10303-21, clause 8.2)."""
+
 STYLE_IDS: Final = 9
 """How many ids a style takes."""
 
@@ -26,16 +32,41 @@ def style(first: int, color: tuple[float, float, float]) -> list[str]:
     ]
 
 
+def plain(text: str) -> str:
+    """Text without control characters: a run of them is one space, halves of surrogates U+FFFD."""
+    return _HALF.sub("\ufffd", _CONTROL.sub(" ", text))
+
+
 def encoded(text: str) -> str:
-    r"""Text in the 7-bit alphabet of ISO 10303-21, the rest as \X2\....\X0\ (UTF-16)."""
-    return _OTHER.sub(
-        lambda run: f"\\X2\\{run.group().encode('utf-16-be').hex().upper()}\\X0\\", text
-    )
+    r"""Text in the 7-bit alphabet of ISO 10303-21 (clause 6.4.3).
+
+    Characters up to U+FFFF stand as \X2\....\X0\, four digits each; those above, which \X2\ does
+    not have, as \X4\........\X0\, eight digits each. Control characters go (see `plain`).
+    """
+
+    def coded(run: re.Match[str]) -> str:
+        name, form = ("X2", "utf-16-be") if run[1] else ("X4", "utf-32-be")
+        return f"\\{name}\\{run[0].encode(form).hex().upper()}\\X0\\"
+
+    return _WIDE.sub(coded, plain(text))
 
 
 def quoted(text: str) -> str:
     """Text as a STEP string, with its apostrophes."""
     return "'" + encoded(text.replace("\\", "\\\\").replace("'", "''")) + "'"
+
+
+def header_text(text: str) -> str:
+    """Text as a string of a header, cut to the length that one may have."""
+    return quoted(plain(text)[:HEADER_STRING])
+
+
+def header_list(text: str) -> str:
+    """Text as a list of such strings, as many as it needs."""
+    whole = plain(text)
+    step = HEADER_STRING
+    rows = [whole[i : i + step] for i in range(0, len(whole), step)] or [""]
+    return f"({','.join(map(quoted, rows))})"
 
 
 def real(value: float) -> str:
