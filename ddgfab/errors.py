@@ -2,17 +2,49 @@
 
 from __future__ import annotations
 
+import re
+from typing import Final
+
+MOST_SHOWN: Final = 60
+"""So many characters of a value are shown in a message."""
+
+_LONGEST: Final = re.compile(r"\S{400,}")
+"""Text without a space that is longer than any path a message may have to name in full."""
+
 
 def printable(text: str) -> str:
-    """Text without control characters: what a file holds must not steer the terminal."""
-    return "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
+    r"""Text for a terminal: control and direction characters as escapes, line breaks as they are.
+
+    What comes from files, names and arguments must neither steer the terminal nor change the order
+    in which a line is read; a run of 400 characters and more without a space is cut.
+
+    >>> print(printable("roof\x1b[31m.obj"))
+    roof\x1b[31m.obj
+    """
+    clear = "".join(c if c.isprintable() or c == "\n" else _escaped(c) for c in text)
+    return _LONGEST.sub(lambda found: found[0][:MOST_SHOWN] + "...", clear)
+
+
+def clipped(value: object, most: int = MOST_SHOWN) -> str:
+    r"""A value for a message: on one line, printable, cut after `most` characters.
+
+    >>> print(clipped("a\nb", 2))
+    a\n...
+    """
+    text = str(value)
+    shown = "".join(c if c.isprintable() else _escaped(c) for c in text[:most])
+    return shown + "..." if len(text) > most else shown
+
+
+def _escaped(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")
 
 
 class DdgError(Exception):
     """Base of every error that a user can cause or must hear about.
 
     The message is one to three lines: what failed and where, the value and the limit, what to do.
-    Characters that a terminal would obey are replaced.
+    Characters that a terminal would obey are written as escapes; see `printable`.
     """
 
     def __init__(self, message: str = "") -> None:
@@ -23,7 +55,8 @@ class InputError(DdgError, ValueError):
     """A file or array that cannot be used; names the file and line where there is one."""
 
     def __init__(self, message: str, *, file: str | None = None, line: int | None = None) -> None:
-        where = "" if file is None else f"{file}: " if line is None else f"{file}:{line}: "
+        name = None if file is None else clipped(file, 400)
+        where = "" if name is None else f"{name}: " if line is None else f"{name}:{line}: "
         super().__init__(where + message)
         self.file = file
         self.line = line

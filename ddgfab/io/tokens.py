@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ddgfab.errors import MeshError, printable
+from ddgfab.errors import MeshError, clipped
 
 LARGEST_ID = 2**53
 """Whole numbers beyond this are no ids of anything; they would not fit into arrays either."""
@@ -63,4 +63,4 @@ def integer(token: str, file: str, line: int, what: str = "vertex number") -> in
 
 def clip(token: str, most: int = 40) -> str:
     """A token short and printable enough for a message."""
-    return printable(token if len(token) <= most else token[:most] + "...")
+    return clipped(token, most)

@@ -144,6 +144,12 @@ SURFACES: Final[dict[str, Callable[..., SplineSurface]]] = {
 """Surfaces by name."""
 
 
+def surface_parameters(name: str) -> dict[str, float]:
+    """Parameters of a surface of `SURFACES`, with their defaults."""
+    known = inspect.signature(SURFACES[name]).parameters
+    return {key: parameter.default for key, parameter in known.items()}
+
+
 def named_surface(name: str, parameters: Mapping[str, Any] | None = None) -> SplineSurface:
     """A surface of `SURFACES` with its parameters, the others at their defaults.
 
@@ -155,7 +161,7 @@ def named_surface(name: str, parameters: Mapping[str, Any] | None = None) -> Spl
     """
     if name not in SURFACES:
         raise InputError(f'surface "{name}" is unknown; {suggestion(name, SURFACES)}')
-    known = inspect.signature(SURFACES[name]).parameters
+    known = surface_parameters(name)
     for key, value in (parameters or {}).items():
         if key not in known:
             raise InputError(f"{name}: {key} is unknown; {suggestion(key, known)}")

@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from fabrication.cli.common import app, output
+from fabrication.cli.common import app
+from fabrication.cli.terminal import output
 
 # Imported for their commands, in the order in which `--help` lists them.
 # isort: off

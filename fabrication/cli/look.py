@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 import json
+import time
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from fabrication.cli.common import (
-    DONE,
-    FAILED,
     Debug,
     Flip,
     Quads,
+    Quiet,
     Reading,
     Scale,
     Units,
     Up,
+    Verbose,
     Weld,
     app,
-    errors,
 )
+from fabrication.cli.terminal import DONE, FAILED, session
 
 
 @app.command("inspect")
@@ -34,10 +35,12 @@ def inspect_command(
     flip: Flip = False,
     quads: Quads = False,
     weld: Weld = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
     debug: Debug = False,
 ) -> None:
     """What kind of net a mesh is, and how far from planar, circular, conical, torsion-free."""
-    with errors(debug):
+    with session(debug, quiet, verbose) as run:
         from ddgfab.io import unlikely_size
         from ddgfab.measures import inspect
 
@@ -54,25 +57,37 @@ def inspect_command(
                 "origin_mm": read.origin.tolist(),
                 "notes": notes,
             }
-            typer.echo(json.dumps({**record, **report.to_dict()}, indent=1))
+            run.result(json.dumps({**record, **report.to_dict()}, indent=1))
             return
+        run.detail(f"{read.file}: sha256 {read.sha256}")
+        run.detail(f"unit in the file: {read.units or 'not stated'}; {read.mesh!r}")
         for note in notes:
-            typer.echo(f"note: {note}")
-        typer.echo(report.text())
+            run.say(f"note: {note}")
+        run.result(f"{read.file}: {report.kind}" if quiet else report.text())
 
 
 @app.command("check")
 def check_command(
-    files: Annotated[list[Path], typer.Argument(help="STEP, STL or 3MF files.")],
+    files: Annotated[list[Path], typer.Argument(help="STEP, STL, 3MF or GLB files.")],
+    quiet: Quiet = False,
+    verbose: Verbose = False,
     debug: Debug = False,
 ) -> None:
     """Check whether each file is closed and valid, and print its volume."""
-    failed = False
-    with errors(debug):
+    failed = 0
+    with session(debug, quiet, verbose) as run:
         from fabrication.formats.report import inspect_file
 
         for file in files:
+            begin = time.perf_counter()
             report = inspect_file(file)
-            typer.echo(report.text())
-            failed |= not report.passed
+            if report.passed:
+                run.say(report.text())
+            else:
+                run.result(report.text())
+            run.detail(f"  read and checked in {time.perf_counter() - begin:.1f} s")
+            failed += not report.passed
+        if len(files) > 1 or quiet:
+            state = f"{failed} failed" if failed else "every check passed"
+            run.result(f"{len(files)} file{'s' if len(files) > 1 else ''}: {state}")
     raise typer.Exit(FAILED if failed else DONE)

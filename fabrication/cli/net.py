@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fabrication.cli.common import Debug, app, errors, values_of
+from fabrication.cli.common import Change, Debug, Quiet, Verbose, app
+from fabrication.cli.terminal import Session, session
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Mesh
@@ -19,9 +20,7 @@ def net_command(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="OBJ, OFF or PLY; default KIND.obj.")
     ] = None,
-    change: Annotated[
-        list[str] | None, typer.Option("--set", help="A parameter: panels_along=20, ...")
-    ] = None,
+    change: Change = None,
     listing: Annotated[
         bool, typer.Option("--list", help="List all kinds, or the parameters of KIND.")
     ] = False,
@@ -35,31 +34,45 @@ def net_command(
             help="Also write incircles and vertex spheres (koebe, minimal): CSV, OBJ or STEP."
         ),
     ] = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
     debug: Debug = False,
 ) -> None:
-    """Write an exact net (planar, circular, conical, ...) as a mesh file."""
-    with errors(debug):
+    """Write an exact net (planar, circular, conical, ...) as a mesh file.
+
+    Parameters are settings of [net]: `ddgfab net canal --set net.panels_along=24`.
+    """
+    with session(debug, quiet, verbose) as run:
         from ddgfab.errors import InputError
         from ddgfab.forms.registry import find_generator, generate, kinds
-        from ddgfab.io import write_mesh
+        from ddgfab.io import check_target, write_mesh
+        from fabrication.cli.changes import sections_of
+        from fabrication.gridshell.load import make_project
 
         if listing:
-            _list_nets(kinds() if kind is None else (kind,))
+            _list_nets(run, kinds() if kind is None else (kind,))
             return
-        if kind is None:
+        given = sections_of(change, only="net").get("net", {})
+        if kind is not None and given.setdefault("kind", kind) != kind:
+            raise InputError(f"KIND is {kind} and net.kind is {given['kind']}: give one of them")
+        if given.get("kind") is None:
             raise InputError(f"which kind of net? One of {', '.join(kinds())}; see --list")
-        parameters = values_of(change or [])
-        mesh = generate(kind, parameters)
-        summary = find_generator(kind).summary
+        entry = find_generator(str(given["kind"]))
+        target = output or Path(f"{entry.kind}.obj")
+        check_target(target)
+        net = make_project({"net": given}).net
+        mesh, summary = generate(net.kind, net.parameters), entry.summary
         if offset is not None:
             from ddgfab.offsets import exact_offset
 
             mesh, report = exact_offset(mesh, offset)
             summary = str(report)
         counts = "" if circles is None else _write_circles(circles, mesh)
-        target = output or Path(f"{kind}.obj")
         write_mesh(target, mesh, units="mm")
-        typer.echo(f"{summary}\n{mesh!r}\nwritten to {target} [mm]{counts}")
+        for name, value in net.parameters.items():
+            run.detail(f"{name} = {value}")
+        run.say(f"{summary}\n{mesh!r}")
+        run.result(f"written to {target} [mm]{counts}")
 
 
 def _write_circles(path: Path, mesh: Mesh) -> str:
@@ -78,13 +91,13 @@ def _write_circles(path: Path, mesh: Mesh) -> str:
     return f"\n{counts} written to {path} [mm]"
 
 
-def _list_nets(names: tuple[str, ...]) -> None:
+def _list_nets(run: Session, names: tuple[str, ...]) -> None:
     """Kinds of net with their parameters, defaults, limits and meaning."""
     from ddgfab.forms.registry import find_generator
 
     for name in names:
         entry = find_generator(name)
-        typer.echo(f"{name}: {entry.summary}")
+        run.result(f"{name}: {entry.summary}")
         for known in entry.parameters:
             limits = f" [{known.limits}]" if known.limits else ""
-            typer.echo(f"  {known.name} = {known.default_text}  {known.text}{limits}")
+            run.result(f"  {known.name} = {known.default_text}  {known.text}{limits}")

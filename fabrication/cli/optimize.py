@@ -10,104 +10,128 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from fabrication.cli.common import (
-    DONE,
-    FAILED,
+    Change,
     Debug,
     Flip,
     Quads,
+    Quiet,
     Reading,
     Scale,
     Units,
     Up,
+    Verbose,
     Weld,
     app,
-    errors,
-    progress,
-    toml_value,
-    values_of,
 )
+from fabrication.cli.terminal import DONE, FAILED, Session, session
 
 if TYPE_CHECKING:
     from ddgfab.errors import OptimizeError
     from ddgfab.mesh import Floats, Mesh
     from ddgfab.optimize import OptimizeResult
+    from fabrication.gridshell.project import OptimizeSettings
+
+PLANAR: Final = "planar"
+"""The goal by default."""
 
 
 @app.command("optimize")
 def optimize_command(
     source: Annotated[Path, typer.Argument(help="OBJ, OFF, PLY, STL or COMPAS JSON.")],
-    target: Annotated[Path, typer.Argument(help="OBJ, OFF or PLY to write.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="OBJ, OFF or PLY to write; default SOURCE-GOAL.obj."),
+    ] = None,
     goal: Annotated[
-        str, typer.Option(help="planar, circular, conical, torsion-free or families.")
-    ] = "planar",
+        str | None,
+        typer.Option(help="planar (default), circular, conical, torsion-free or families."),
+    ] = None,
     flat: Annotated[
         float | None,
         typer.Option(help="How far faces may be from planar [%]: 0.2; 0 is exact."),
     ] = None,
     keep: Annotated[
-        str, typer.Option(help="close (to the surface), balanced, fair (smooth), or a number.")
-    ] = "balanced",
+        str | None,
+        typer.Option(help="close (to the surface), balanced (default), fair (smooth), a number."),
+    ] = None,
     surface: Annotated[
         Path | None, typer.Option(help="Mesh to stay near to; SOURCE by default.")
     ] = None,
-    boundary: Annotated[str, typer.Option(help="free, glide or fixed.")] = "free",
-    fix: Annotated[str, typer.Option(help="Vertices that stay: 0,17,230.")] = "",
+    boundary: Annotated[
+        str | None, typer.Option(help="free (default), glide along its curve, or fixed.")
+    ] = None,
+    fix: Annotated[str | None, typer.Option(help="Vertices that stay: 0,17,230.")] = None,
     features: Annotated[
         float | None, typer.Option(help="Edges sharper than this [deg] need not stay smooth.")
     ] = None,
     max_movement: Annotated[
         float | None, typer.Option(help="Greatest movement of a vertex [mm].")
     ] = None,
-    change: Annotated[
-        list[str] | None, typer.Option("--set", help="A setting of [optimize]: key=value.")
-    ] = None,
+    change: Change = None,
     units: Units = None,
     scale: Scale = 1.0,
     up: Up = "z",
     flip: Flip = False,
     quads: Quads = False,
     weld: Weld = None,
-    picture: Annotated[bool, typer.Option(help="Write TARGET.png: distance and creases.")] = True,
+    picture: Annotated[bool, typer.Option(help="Write OUTPUT.png: distance and creases.")] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
     debug: Debug = False,
 ) -> None:
     """Make the faces planar, the net circular or conical, the structure torsion-free.
 
     The result stays as near to the surface as it can, without folds. Writes the mesh, a report
-    (TARGET.json: distance from the surface both ways, rise, creases, movement, what less flat faces
+    (OUTPUT.json: distance from the surface both ways, rise, creases, movement, what less flat faces
     would cost, every measure before and after) and a picture of distance and creases. Where the
     goal is missed, or the result is no longer the design (mean distance 0.25, greatest 1 mean edge,
-    new reflex corners, folds), the best mesh is written to TARGET.missed.obj, with the next
-    command to try, and nothing else is written; the exit code is 1.
+    new reflex corners, folds), the best mesh is written to OUTPUT.missed.obj, with the next
+    command to try, and nothing else is written; the exit code is 1. Settings are those of
+    [optimize]: `--set optimize.distance_limit_edges=[0.5, 2]`.
     """
     from ddgfab.errors import OptimizeError
 
-    with errors(debug), progress() as report:
+    with session(debug, quiet, verbose) as run:
         from ddgfab.io import check_target
         from ddgfab.io.atomic import atomic_path
         from ddgfab.optimize import TorsionFreeResult
         from ddgfab.optimize.report import comparison, comparison_text
+        from fabrication.cli.changes import put, sections_of, value_of
+        from fabrication.gridshell.load import make_project
         from fabrication.gridshell.optimized import optimized_mesh
 
+        sections = sections_of(change, only="optimize")
+        put(
+            sections,
+            "optimize",
+            goal=goal,
+            flat_percent=None if flat is None else float(flat),
+            keep=None if keep is None else value_of(keep, "--keep"),
+            boundary=boundary,
+            fix=None if fix is None else _ids(fix),
+            feature_angle_deg=None if features is None else float(features),
+            max_movement_mm=None if max_movement is None else float(max_movement),
+        )
+        given = {"goal": PLANAR, **sections.get("optimize", {})}
+        settings = make_project({"optimize": given}).optimize
+        target = output or Path(f"{_stem(source)}-{settings.goal}.obj")
         check_target(target)
-        given: dict[str, Any] = {"goal": goal, "boundary": boundary}
-        if flat is not None:
-            given["flat_percent"] = float(flat)
-        if keep != "balanced":
-            given["keep"] = toml_value(keep)
-        settings = _settings(given, fix, features, max_movement, change or [])
         reading = Reading(units, scale, up, flip, quads, weld)
         read = reading.read(source)
         reference = None
         if surface is not None:
             near = reading.read(surface)
             reference = near.mesh.with_vertices(near.in_place.vertices - read.origin)
+        _describe(run, settings)
         try:
-            result = optimized_mesh(read.mesh, settings, report, surface=reference)
+            result = optimized_mesh(read.mesh, settings, run.progress, surface=reference)
         except OptimizeError as error:
             if debug:
                 raise
-            _write_missed(error, source, target, reading, read.origin, given)
+            run.stop()
+            missed = _Command(source, output, reading, given)
+            _write_missed(run, error, missed, target, read.origin)
             raise typer.Exit(FAILED) from None
         record = {"file": read.file, "sha256": read.sha256, **comparison(result)}
         if isinstance(result, TorsionFreeResult):
@@ -116,37 +140,40 @@ def optimize_command(
         with atomic_path(target.with_suffix(".json")) as temporary:
             temporary.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
         warning = _draw(target, result) if picture else ""
-    typer.echo(json.dumps(record, indent=1) if as_json else comparison_text(result))
-    if warning:
-        typer.echo(warning, err=True)
-    if not as_json:
-        typer.echo(f"written to {target} [mm]")
+        if as_json:
+            run.result(json.dumps(record, indent=1))
+        else:
+            run.say(comparison_text(result))
+        if warning:
+            run.fail(warning)
+        if not as_json:
+            run.result(f"written to {target} [mm]")
     raise typer.Exit(DONE)
 
 
-def _settings(
-    given: dict[str, Any],
-    fix: str,
-    features: float | None,
-    max_movement: float | None,
-    changes: list[str],
-) -> Any:
-    """[optimize] of the options, checked as in a project."""
-    from ddgfab.errors import InputError
-    from fabrication.gridshell.load import make_project
+def _ids(text: str) -> list[int]:
+    """`0,17,230` as vertex ids."""
+    from ddgfab.errors import InputError, clipped
 
-    if fix:
-        ids = [item.strip() for item in fix.split(",")]
-        bad = [item for item in ids if not item.isdecimal()]
-        if bad:
-            raise InputError(f"--fix {fix}: {bad[0]!r} is no vertex; vertex ids: 0,17,230")
-        given["fix"] = [int(item) for item in ids]
-    if features is not None:
-        given["feature_angle_deg"] = float(features)
-    if max_movement is not None:
-        given["max_movement_mm"] = float(max_movement)
-    given |= values_of(changes, "key")
-    return make_project({"optimize": given}).optimize
+    items = [item.strip() for item in text.split(",")]
+    bad = [item for item in items if not (item.isdecimal() and len(item) < 19)]
+    if bad:
+        raise InputError(
+            f"--fix {clipped(text)}: {clipped(bad[0]) or 'nothing'} is not a vertex; expected "
+            "vertex ids such as 0,17,230"
+        )
+    return [int(item) for item in items]
+
+
+def _stem(source: Path) -> str:
+    """The name of a mesh file without its endings."""
+    return Path(source.name.removesuffix(".gz")).stem or "mesh"
+
+
+def _describe(run: Session, settings: OptimizeSettings) -> None:
+    """The settings that are not as they are by default, if verbose."""
+    for key, value in settings.model_dump(exclude_defaults=True).items():
+        run.detail(f"optimize.{key} = {value}")
 
 
 def _write(path: Path, mesh: Mesh, origin: Floats) -> None:
@@ -157,26 +184,21 @@ def _write(path: Path, mesh: Mesh, origin: Floats) -> None:
 
 
 def _write_missed(
-    error: OptimizeError,
-    source: Path,
-    target: Path,
-    reading: Reading,
-    origin: Floats,
-    given: dict[str, Any],
+    run: Session, error: OptimizeError, command: _Command, target: Path, origin: Floats
 ) -> None:
     """Print what failed and what to try, and write the best mesh reached beside the target."""
     from ddgfab.optimize import OptimizeResult
 
-    typer.echo(f"FAILED {error}", err=True)
+    run.fail(f"FAILED {error}")
     if not isinstance(error.result, OptimizeResult):  # refused before solving
-        typer.echo(f"{target} was not written", err=True)
+        run.fail(f"{target} was not written")
         return
     best = target.with_name(f"{target.stem}.missed.obj")
     _write(best, error.result.mesh, origin)
-    typer.echo(f"the best mesh reached: {best} [mm]; {target} was not written", err=True)
+    run.fail(f"the best mesh reached: {best} [mm]; {target} was not written")
     if error.result.advice:
-        changed = given | {_KEYS.get(name, name): value for name, value in error.result.advice}
-        typer.echo(f"next: {_command(source, target, reading, changed)}", err=True)
+        changed = {_KEYS.get(name, name): value for name, value in error.result.advice}
+        run.fail(f"next: {command.text(changed)}")
 
 
 _KEYS: Final = {"flat": "flat_percent", "distance_limit": "distance_limit_edges"}
@@ -193,24 +215,33 @@ _OPTIONS: Final = {
 """Options of the command for keys of [optimize]; the others are given by --set."""
 
 
-def _command(source: Path, target: Path, reading: Reading, settings: dict[str, Any]) -> str:
-    """The command that optimizes with these settings."""
-    arguments = ["ddgfab", "optimize", str(source), str(target), *reading.arguments()]
-    for key, value in settings.items():
-        if key in ("goal", "boundary") and value == _DEFAULTS[key]:
-            continue
-        if key in _OPTIONS:
-            text = f"{value:g}" if isinstance(value, float) else str(value)
-            arguments += [_OPTIONS[key], text]
-        elif key == "fix":
-            arguments += ["--fix", ",".join(map(str, value))]
-        else:
-            shown = list(value) if isinstance(value, tuple) else value
-            arguments += ["--set", f"{key}={shown}"]
-    return shlex.join(arguments)
+class _Command:
+    """The command as given, to be printed again with other settings."""
 
+    def __init__(
+        self, source: Path, output: Path | None, reading: Reading, settings: dict[str, Any]
+    ) -> None:
+        self.begin = ["ddgfab", "optimize", str(source)]
+        if output is not None:
+            self.begin += ["-o", str(output)]
+        self.begin += reading.arguments()
+        self.settings = settings
 
-_DEFAULTS: Final = {"goal": "planar", "boundary": "free"}
+    def text(self, changed: dict[str, Any]) -> str:
+        """It with these settings changed."""
+        from fabrication.project.toml import argument_text
+
+        arguments = list(self.begin)
+        for key, value in {**self.settings, **changed}.items():
+            if key == "goal" and value == PLANAR:
+                continue
+            if key in _OPTIONS:
+                arguments += [_OPTIONS[key], argument_text(value)]
+            elif key == "fix" and not isinstance(value, str):
+                arguments += ["--fix", ",".join(map(str, value))]
+            else:
+                arguments += ["--set", f"optimize.{key}={argument_text(value)}"]
+        return shlex.join(arguments)
 
 
 def _draw(target: Path, result: OptimizeResult) -> str:

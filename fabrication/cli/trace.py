@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from fabrication.cli.common import Debug, app, errors, values_of
+from fabrication.cli.common import Change, Debug, Quiet, Units, Verbose, app
+from fabrication.cli.terminal import Session, session
 
 
 @app.command("trace")
@@ -21,7 +21,9 @@ def trace_command(
     output: Annotated[
         Path, typer.Option("-o", "--output", help="OBJ, OFF or PLY to write.")
     ] = Path("net.obj"),
-    spacing: Annotated[float, typer.Option(help="Distance of neighboring lines [mm].")] = 1500.0,
+    spacing: Annotated[
+        float | None, typer.Option(help="Distance of neighboring lines [mm]; default 1500.")
+    ] = None,
     across: Annotated[
         float | None, typer.Option(help="Distance of the lines of the second family [mm].")
     ] = None,
@@ -34,64 +36,88 @@ def trace_command(
         float | None,
         typer.Option(help="One family is turned from principal by this [deg], one is conjugate."),
     ] = None,
-    change: Annotated[
-        list[str] | None, typer.Option("--set", help="A parameter of a surface by name: rise_mm=4")
+    units: Units = None,
+    scale: Annotated[
+        float | None, typer.Option(help="Factor on a mesh's coordinates, before the unit.")
     ] = None,
+    change: Change = None,
     listing: Annotated[bool, typer.Option("--list", help="List the surfaces by name.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
     debug: Debug = False,
 ) -> None:
     """Trace a net of nearly planar quads on a surface: curvature lines, or conjugate lines.
 
     Writes the mesh [mm], trimmed at the rim of the surface (curved trims as polygons of 96 sides an
     edge), and reports spacing, planarity and umbilics. `ddgfab optimize` makes its faces planar.
+    Settings are those of [net]: `--set net.spacing_mm=1500`, and the parameters of surfaces by
+    name: `ddgfab trace dome --set net.radius_x_mm=30e3`.
     """
-    with errors(debug):
+    with session(debug, quiet, verbose) as run:
         from ddgfab.errors import InputError
         from ddgfab.io import check_target, write_mesh
         from ddgfab.surfaces.analytic import SURFACES
-        from ddgfab.trace import trace
-        from fabrication.surfaces_in.find import find_surface
+        from fabrication.cli.changes import put, sections_of
+        from fabrication.gridshell.load import make_project
+        from fabrication.gridshell.traced import traced_net
 
         if listing:
-            _list_surfaces()
+            _list_surfaces(run)
             return
-        if surface is None:
+        sections = sections_of(change, only="net")
+        net = sections.setdefault("net", {})
+        put(
+            sections,
+            "net",
+            spacing_mm=spacing,
+            spacing_across_mm=across,
+            face=face,
+            along=None if along is None else _vector(along),
+            turn_deg=turn,
+        )
+        if surface is not None:
+            net |= _source(surface)
+        elif not {"file", "surface"} & net.keys():
             raise InputError(f"which surface? A STEP file or one of {', '.join(SURFACES)}")
         check_target(output)
-        parameters = values_of(change or [])
-        found = trace(
-            find_surface(surface, parameters, face),
-            (spacing, spacing if across is None else across),
-            along=None if along is None else _vector(along),
-            turn=None if turn is None else math.radians(turn),
-        )
+        put(sections, "project", units=units, scale=scale)
+        project = make_project({**sections, "net": {"kind": "surface", **net}})
+        name, found = traced_net(project)
         write_mesh(output, found.mesh, units="mm")
         if as_json:
-            typer.echo(json.dumps(found.quality.to_dict(), indent=1))
-        else:
-            typer.echo(f"{found.quality.text()}\n{found.mesh!r}\nwritten to {output} [mm]")
+            run.result(json.dumps(found.quality.to_dict(), indent=1))
+            return
+        run.detail(f"surface: {name!r}")
+        run.say(f"{found.quality.text()}\n{found.mesh!r}")
+        run.result(f"written to {output} [mm]")
+
+
+def _source(surface: str) -> dict[str, Any]:
+    """A file, or a surface by name, as [net] has it."""
+    from ddgfab.surfaces.analytic import SURFACES
+
+    is_file = surface not in SURFACES and Path(surface).suffix
+    return {"file": surface} if is_file else {"surface": surface}
 
 
 def _vector(text: str) -> tuple[float, ...]:
-    from ddgfab.errors import InputError
+    from ddgfab.errors import InputError, clipped
 
     try:
         numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
         numbers = ()
     if len(numbers) != 3:
-        raise InputError(f"--along {text}: expected three numbers, for instance 0,1,0")
+        raise InputError(f"--along {clipped(text)}: expected three numbers, for instance 0,1,0")
     return numbers
 
 
-def _list_surfaces() -> None:
-    import inspect
-
-    from ddgfab.surfaces.analytic import SURFACES
+def _list_surfaces(run: Session) -> None:
+    from ddgfab.surfaces.analytic import SURFACES, surface_parameters
 
     for name, function in SURFACES.items():
         summary = (function.__doc__ or "").strip().split("\n")[0]
-        typer.echo(f"{name}: {summary}")
-        for key, parameter in inspect.signature(function).parameters.items():
-            typer.echo(f"  {key} = {parameter.default:g}")
+        run.result(f"{name}: {summary}")
+        for key, default in surface_parameters(name).items():
+            run.result(f"  {key} = {default:g}")

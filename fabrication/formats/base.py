@@ -194,6 +194,16 @@ class Format:
         """Read the file of one part number back and compare it with the part."""
         return []
 
+    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+        """Paths below the output folder of the files that `write_whole` writes.
+
+        Parameters
+        ----------
+        tables : names of the schedules
+        plates : number of print plates
+        """
+        return []
+
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """Write the files of the whole below the output folder, or replace them.
 

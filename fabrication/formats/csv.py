@@ -20,6 +20,10 @@ class Csv(Format):
     name = "csv"
     suffixes = (".csv",)
 
+    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+        """A file a schedule."""
+        return [f"{SCHEDULES}/{name}.csv" for name in tables]
+
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """See `csv_text`."""
         (folder / SCHEDULES).mkdir(exist_ok=True)

@@ -32,6 +32,10 @@ class Xlsx(Format):
     needs = {"xlsxwriter": "xlsxwriter"}  # noqa: RUF012
     libraries = ("xlsxwriter",)
 
+    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+        """The workbook."""
+        return [WORKBOOK]
+
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """See `write_xlsx`."""
         (folder / SCHEDULES).mkdir(exist_ok=True)

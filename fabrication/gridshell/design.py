@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,16 +20,15 @@ from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
 from ddgfab.support import SupportKind, SupportStructure, support_structure
-from ddgfab.trace import trace
 from fabrication.families import families
 from fabrication.gridshell.detailing import Gridshell, detail
 from fabrication.gridshell.load import load_project, project_for_mesh
 from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.project import MESH, SURFACE, Project
 from fabrication.gridshell.schedules import schedules
+from fabrication.gridshell.traced import traced_net
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family, rejected
-from fabrication.surfaces_in.find import find_surface
 from fabrication.table import Table
 
 if TYPE_CHECKING:
@@ -271,20 +269,13 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
 
 def _traced(project: Project) -> NetInput:
     """The net traced on the project's surface."""
-    net = project.net
-    source: str | Path = net.surface if project.mesh_path is None else project.mesh_path
-    surface = find_surface(source, net.parameters, net.face)
-    found = trace(
-        surface,
-        (net.spacing_mm, net.spacing_across_mm or net.spacing_mm),
-        along=net.along,
-        turn=None if net.turn_deg is None else math.radians(net.turn_deg),
-    )
+    surface, found = traced_net(project)
     notes = tuple(f"net traced on {surface.name}: {row}" for row in found.quality.remarks())
-    if isinstance(source, str):
+    path = project.mesh_path
+    if path is None:
         return NetInput(found.mesh, None, None, notes)
-    digest = hashlib.sha256(source.read_bytes()).hexdigest()
-    return NetInput(found.mesh, str(source), digest, notes)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    return NetInput(found.mesh, str(path), digest, notes)
 
 
 def _read(project: Project, path: Path) -> ReadResult:

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from ddgfab.errors import ProjectError
 from ddgfab.forms.registry import ParameterError, find_generator, kinds
+from ddgfab.surfaces.analytic import SURFACES, surface_parameters
 from fabrication.gridshell.project import MESH, SURFACE, NetSettings, Project
 from fabrication.project.load import (
     changed,
@@ -91,7 +92,7 @@ def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project
                     line=find_line(text, ("project", "units")),
                 )
         elif sections["net"].get("kind") == SURFACE:
-            sections["net"] = _traced(sections["net"])
+            sections["net"] = _traced(sections["net"], name, text)
             sections.setdefault("optimize", dict(TRACED_GOAL))
         elif "parameters" in sections["net"]:
             raise ProjectError(
@@ -104,17 +105,37 @@ def _project(values: Mapping[str, Any], file: Path | None, text: str) -> Project
         raise explain(error, Project, name, text) from None
 
 
-def _traced(net: dict[str, Any]) -> dict[str, Any]:
+def _traced(net: dict[str, Any], name: str | None, text: str) -> dict[str, Any]:
     """Gathers a surface's own parameters, which stand in [net] beside kind."""
-    own = NetSettings.surface_keys()
-    given = dict(net.pop("parameters", {}))
+    own, given = NetSettings.surface_keys(), _own_parameters(net, name, text)
     given |= {key: net.pop(key) for key in list(net) if key not in own}
+    surface = net.get("surface")
+    known = surface_parameters(surface) if surface in SURFACES else {}
+    for key in given:
+        if key not in known and (surface in SURFACES or not surface):
+            raise ProjectError(
+                unknown(f"[net] {key}", key, own | set(known)),
+                file=name,
+                line=find_line(text, ("net", key)),
+            )
     return {**net, "parameters": given} if given else net
+
+
+def _own_parameters(net: dict[str, Any], name: str | None, text: str) -> dict[str, Any]:
+    """`parameters` of a [net] made in Python or taken from a manifest; files have none."""
+    given = net.pop("parameters", {})
+    if not isinstance(given, Mapping):
+        raise ProjectError(
+            "[net] parameters is unknown; parameters stand in [net] beside kind",
+            file=name,
+            line=find_line(text, ("net", "parameters")),
+        )
+    return dict(given)
 
 
 def _generated(net: dict[str, Any], name: str | None, text: str) -> dict[str, Any]:
     """Gathers a generator's parameters, which stand in [net] beside kind, and checks them."""
-    given = dict(net.pop("parameters", {}))
+    given = _own_parameters(net, name, text)
     given |= {key: net.pop(key) for key in list(net) if key not in ("kind", "file")}
     try:
         find_generator(net["kind"]).check(given)

@@ -10,12 +10,17 @@ from ddgfab.errors import OutputError
 from ddgfab.optimize.report import comparison
 from fabrication.checks.assembly import check_assembly
 from fabrication.formats.base import Material
+from fabrication.formats.glb import MODEL
+from fabrication.formats.step.format import ASSEMBLY
+from fabrication.formats.tables import SCHEDULES
+from fabrication.formats.xlsx import WORKBOOK
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.detailing.clearance import PANEL_CLEARANCE
 from fabrication.gridshell.remedies import remedies
 from fabrication.gridshell.schedules import schedules
 from fabrication.job.problems import Problem
 from fabrication.job.product import Product
+from fabrication.job.whole import PREVIEW
 from fabrication.parts.beam import BEAM
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
@@ -34,6 +39,13 @@ class GridshellProduct(Product):
     """A design of a gridshell, to be made."""
 
     chord = CHORD_MM
+    shown_first = (
+        ASSEMBLY,
+        PREVIEW,
+        WORKBOOK,
+        *(f"{SCHEDULES}/{name}.csv" for name in ("panels", "beams", "nodes")),
+        MODEL,
+    )
 
     def __init__(self, design: Design) -> None:
         self.design = design
@@ -92,6 +104,10 @@ class GridshellProduct(Product):
     def remedies(self, problems: Sequence[Problem]) -> list[tuple[str, str, Any]]:
         """See `fabrication.gridshell.remedies`."""
         return remedies(self.design, problems)
+
+    def extra_files(self) -> list[str]:
+        """The picture, where there is an [optimize]."""
+        return [] if self.design.optimized is None else [CHANGE]
 
     def write_extra(self, folder: Path) -> list[str]:
         """A picture of what [optimize] did to the net."""

@@ -50,8 +50,19 @@ class OutputFolder:
 
     def __init__(self, target: Path | str) -> None:
         self.target: Final = Path(target).resolve()
+        if not self.target.name:
+            raise OutputError(f"{self.target}: no job can take this place; choose a folder with -o")
         self.path: Final = self.target.with_name(f".{self.target.name}.partial-{os.getpid()}")
         self._aside: Final = self.target.with_name(f".{self.target.name}.old-{os.getpid()}")
+
+    def check(self) -> None:
+        """Raise OutputError where entering would, as far as can be told without writing."""
+        _require_ours(self.target)
+        above = next(folder for folder in self.target.parents if folder.exists())
+        if not above.is_dir():
+            raise OutputError(f"{above}: is a file; choose another folder with -o")
+        if not os.access(above, os.W_OK | os.X_OK):
+            raise explain(PermissionError(errno.EACCES, "no permission"), self.target)
 
     def __enter__(self) -> Path:
         _require_ours(self.target)

@@ -8,6 +8,7 @@ from typing import Any
 from ddgfab.errors import DdgError
 from fabrication.job.problems import Problem, problems_of
 from fabrication.job.product import Product
+from fabrication.project.toml import argument_text
 
 
 class LimitError(DdgError):
@@ -27,7 +28,9 @@ class LimitError(DdgError):
         self.problems, self.settings = tuple(problems), tuple(settings)
         lines = [f"{self.summary}; nothing was made"]
         if settings:
-            what = ", ".join(f"{section}.{key} = {show(value)}" for section, key, value in settings)
+            what = ", ".join(
+                f"{section}.{key} = {argument_text(value)}" for section, key, value in settings
+            )
             lines.append(f"What helps: {what}")
         lines.append("To make the parts all the same, and reject them: anyway=True")
         super().__init__("\n".join(lines))
@@ -37,7 +40,7 @@ class LimitError(DdgError):
         return [
             argument
             for section, key, value in self.settings
-            for argument in ("--set", f"{section}.{key}={show(value)}")
+            for argument in ("--set", f"{section}.{key}={argument_text(value)}")
         ]
 
 
@@ -49,13 +52,13 @@ def check_limits(product: Product) -> None:
     LimitError
         Names limits and pieces, the worst first, and the settings that help.
     """
-    roles = {piece.mark: piece.kind.role for piece in product.pieces}
-    checks = ((piece.mark, check) for piece in product.pieces for check in piece.checks)
-    problems = problems_of(roles, checks)
+    problems = problems_known(product)
     if problems:
         raise LimitError(problems, product.remedies(problems))
 
 
-def show(value: Any) -> str:
-    """A value as TOML has it; text without quotes."""
-    return f"{value:g}" if isinstance(value, float) else str(value)
+def problems_known(product: Product) -> tuple[Problem, ...]:
+    """Limits that pieces are beyond, as far as is known before parts are made."""
+    roles = {piece.mark: piece.kind.role for piece in product.pieces}
+    checks = ((piece.mark, check) for piece in product.pieces for check in piece.checks)
+    return problems_of(roles, checks)

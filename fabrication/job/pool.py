@@ -22,6 +22,11 @@ class Workers(Protocol):
         """End everything at once; whatever was being written stays as it is."""
 
 
+def process_count(jobs: int) -> int:
+    """How many processes a pool of `jobs` has; 0 stands for one a core."""
+    return jobs or os.cpu_count() or 1
+
+
 @contextmanager
 def worker_pool(jobs: int, *, kernel: bool = True) -> Iterator[Workers]:
     """Processes to work in.
@@ -31,7 +36,7 @@ def worker_pool(jobs: int, *, kernel: bool = True) -> Iterator[Workers]:
     jobs : how many; 0: one a core, 1: this process
     kernel : whether they load the CAD kernel at once, while this process designs
     """
-    count = jobs or os.cpu_count() or 1
+    count = process_count(jobs)
     if count == 1:
         yield _Here()
         return

@@ -29,6 +29,7 @@ class Product(ABC):
     output, verify : [output] of the project, and which files are read back
     seconds : what its design took, by step
     libraries : distributions that shape it, whose versions belong into the manifest
+    shown_first : files that a person opens first, where they are written
     """
 
     name: str
@@ -39,6 +40,7 @@ class Product(ABC):
     verify: Verify
     seconds: Mapping[str, float]
     libraries: tuple[str, ...] = ()
+    shown_first: tuple[str, ...] = ("assembly.step", "preview.png")
 
     @abstractmethod
     def material(self, role: Role) -> Material:
@@ -100,6 +102,10 @@ class Product(ABC):
     def remedies(self, problems: Sequence[Problem]) -> Sequence[tuple[str, str, Any]]:
         """(section, key, value) of settings that help where pieces are beyond limits."""
         return ()
+
+    def extra_files(self) -> list[str]:
+        """Paths below the output folder of the files of the product's own."""
+        return []
 
     def write_extra(self, folder: Path) -> list[str]:
         """Write files of the product's own; returns what could not be written."""

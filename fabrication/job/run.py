@@ -103,7 +103,7 @@ def make(
     product = design if isinstance(design, Product) else design.product()
     if not anyway:
         check_limits(product)
-    target = Path(folder) if folder is not None else Path("outputs") / safe_name(product.name)
+    target = target_of(product, folder)
     formats = tuple(product.format(name) for name in product.output.formats)
     verified = product.verify != "none"
     registry.missing(formats, checked=verified)
@@ -119,6 +119,11 @@ def make(
         except BaseException:
             workers.stop()  # before the staging folder goes, into which they write
             raise
+
+
+def target_of(product: Product, folder: str | Path | None = None) -> Path:
+    """The folder of a product's files: the one given, or outputs/<project name>."""
+    return Path(folder) if folder is not None else Path("outputs") / safe_name(product.name)
 
 
 class _Job:

@@ -49,6 +49,10 @@ class Gif(Format):
     def __init__(self, scene: MovingScene) -> None:
         self.scene = scene
 
+    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+        """motion.gif."""
+        return [ANIMATION]
+
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """See `write_animation`; a machine without graphics is no fault of the linkage."""
         try:

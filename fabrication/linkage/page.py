@@ -111,6 +111,10 @@ class Html(Format):
     ) -> None:
         self.scene, self.page = scene, page
 
+    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+        """report.html."""
+        return [REPORT]
+
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """See `page_html`."""
         tables = {name: Table(rows, name) for name, rows in (whole.tables or {}).items()}

@@ -10,10 +10,15 @@ from typing import Any
 import numpy as np
 
 from fabrication.formats.base import Format, Material, Standing
+from fabrication.formats.step.format import ASSEMBLY
+from fabrication.formats.tables import SCHEDULES
+from fabrication.formats.threemf import plate_file
+from fabrication.formats.xlsx import WORKBOOK
 from fabrication.job.product import Product
+from fabrication.job.whole import PREVIEW
 from fabrication.linkage.animation import Gif
 from fabrication.linkage.kit import Kit
-from fabrication.linkage.page import Html, MovingScene
+from fabrication.linkage.page import REPORT, Html, MovingScene
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.linkage.scene import lying_broad, moving_scene, report_page
@@ -29,6 +34,7 @@ class KitProduct(Product):
 
     chord = PRINTED_CHORD_MM
     libraries = ("rectpack",)
+    shown_first = (REPORT, plate_file(1), ASSEMBLY, PREVIEW, f"{SCHEDULES}/bom.csv", WORKBOOK)
 
     def __init__(self, kit: Kit) -> None:
         self.kit = kit

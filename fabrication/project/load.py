@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
-from ddgfab.errors import ProjectError
+from ddgfab.errors import ProjectError, clipped
 from ddgfab.suggest import nearest, suggestion
 from fabrication.project.sections import Section
+from fabrication.project.toml import toml_text
+
+LARGEST_INTEGER: Final = 2**63
+"""TOML's integers have 64 bits."""
 
 
 def changed(
@@ -36,15 +40,54 @@ def read_toml(file: Path) -> tuple[dict[str, Any], str]:
     """
     try:
         text = file.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
-        return tomllib.loads(text), text
+        return parse_toml(text), text
     except OSError as error:
         raise ProjectError(f"cannot be read: {error.strerror}", file=str(file)) from None
+    except ProjectError as error:
+        raise ProjectError(str(error), file=str(file)) from None
     except UnicodeDecodeError as error:
         raise ProjectError(f"is not UTF-8 text (byte {error.start})", file=str(file)) from None
     except tomllib.TOMLDecodeError as error:
         found = re.search(r"line (\d+)", str(error))
         line = int(found[1]) if found else text.count("\n") + 1
         raise ProjectError(f"is not TOML: {error}", file=str(file), line=line) from None
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """The values of TOML.
+
+    Raises
+    ------
+    tomllib.TOMLDecodeError
+        Text that is no TOML.
+    ProjectError
+        Lists in lists without end, or a number of more digits than any computer number has.
+    """
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except RecursionError:
+        raise ProjectError("lists or tables in one another, too deep to be settings") from None
+    except ValueError:  # Python refuses integers of more than 4,300 digits
+        longest = max(re.findall(r"\d+", text), key=len)
+        raise ProjectError(f"{clipped(longest)} has {len(longest)} digits: too many") from None
+    for path, value in _numbers(values):
+        if not -LARGEST_INTEGER <= value < LARGEST_INTEGER:
+            raise ProjectError(f"{path} = {clipped(value)} does not fit into 64 bits")
+    return values
+
+
+def _numbers(values: Any, path: str = "") -> Iterator[tuple[str, int]]:
+    """Every integer below a value, with its keys."""
+    if isinstance(values, Mapping):
+        for key, value in values.items():
+            yield from _numbers(value, f"{path}.{key}" if path else str(key))
+    elif isinstance(values, list):
+        for value in values:
+            yield from _numbers(value, path)
+    elif isinstance(values, int):
+        yield path, values
 
 
 def sections_in(
@@ -130,8 +173,7 @@ def _value_problem(key: str, path: tuple[str | int, ...], problem: Any, same: li
 
 def show(value: Any) -> str:
     """A value as it stands in a file, cut to 60 characters."""
-    text = f'"{value}"' if isinstance(value, str) else repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    return clipped(toml_text(value))
 
 
 def _section_keys(model: type[BaseModel], section: str) -> set[str]:
@@ -143,4 +185,4 @@ def _section_keys(model: type[BaseModel], section: str) -> set[str]:
 
 def unknown(shown: str, name: str, known: set[str]) -> str:
     """The message for an unknown name, shown as it stands in the file: the nearest, or all."""
-    return f"{shown} is unknown; {suggestion(name, sorted(known))}"
+    return f"{clipped(shown)} is unknown; {suggestion(name, sorted(known))}"

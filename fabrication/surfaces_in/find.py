@@ -20,7 +20,12 @@ MESH_SUFFIXES: Final = (".obj", ".off", ".ply")
 
 
 def find_surface(
-    source: str | Path, parameters: Mapping[str, Any] | None = None, face: int | None = None
+    source: str | Path,
+    parameters: Mapping[str, Any] | None = None,
+    face: int | None = None,
+    *,
+    units: str | None = None,
+    scale: float = 1.0,
 ) -> SplineSurface:
     """The surface of a name (`SURFACES`) of a STEP or IGES file, or fitted to a mesh [mm].
 
@@ -28,6 +33,7 @@ def find_surface(
     ----------
     parameters : of a surface by name
     face : of a file with several faces, from 0
+    units, scale : of a mesh; no unit: the one that the file states, else millimetres
 
     Raises
     ------
@@ -47,7 +53,7 @@ def find_surface(
     if suffix in MESH_SUFFIXES:
         if parameters or face is not None:
             raise InputError("parameters and faces are not for meshes", file=text)
-        mesh = read_mesh(Path(text), units=STATED).in_place
+        mesh = read_mesh(Path(text), scale, units=units or STATED).in_place
         return fit_mesh(mesh, name=Path(text).name).surface
     if face is not None:
         raise InputError(f"face {face}: only STEP and IGES files have faces")

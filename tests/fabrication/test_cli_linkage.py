@@ -78,7 +78,7 @@ def test_example_projects(project: Path, tmp_path: Path) -> None:
     ("words", "message"),
     [
         (["--b", "120", "--beta", "70"], "the loop is rigid"),
-        (["--alpha", "0"], "alpha_deg = 0.0 must be greater than 0"),
+        (["--alpha", "0"], "alpha_deg = 0 must be greater than 0"),
         (["--alpha", "180"], "must be less than 180"),
         (["--beta", "40"], "only folds"),
         (["--bed", "100x100"], "a bed of 100 x 100 mm"),

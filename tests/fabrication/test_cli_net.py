@@ -28,7 +28,7 @@ def test_list_shows_all_kinds_and_parameters() -> None:
 @pytest.mark.parametrize("suffix", [".obj", ".off", ".ply"])
 def test_every_format_reads_back(suffix: str, tmp_path: Path) -> None:
     target = tmp_path / f"roof{suffix}"
-    said = net("translation", "--set", "panels_along=5", "--set", "domes=1", "-o", target)
+    said = net("translation", "--set", "net.panels_along=5", "--set", "net.domes=1", "-o", target)
     assert said.exit_code == 0, said.output
     assert str(target) in said.output
     again = read_mesh(target).mesh
@@ -60,9 +60,14 @@ def test_offset(tmp_path: Path) -> None:
         ([], "which kind of net? One of "),
         (["conicl"], "did you mean conical"),
         (["conicl", "--list"], "did you mean conical"),
-        (["canal", "--set", "panels"], "expected parameter=value"),
-        (["canal", "--set", "panels_alon=3"], "did you mean panels_along"),
-        (["canal", "--set", "turn_deg=400"], "-180 to 180"),
+        (["canal", "--set", "panels"], "expected section.key=value, such as net.key=value"),
+        (["canal", "--set", "panels_along=8"], "such as net.panels_along=8"),
+        (["canal", "--set", "nett.panels_along=8"], "did you mean net.panels_along"),
+        (["canal", "--set", "beam.end=cope"], "no section beam; it takes net.key=value"),
+        (["canal", "--set", "net.kind=conical"], "give one of them"),
+        (["canal", "--set", "net.parameters=5"], "parameters is unknown"),
+        (["canal", "--set", "net.panels_alon=3"], "did you mean panels_along"),
+        (["canal", "--set", "net.turn_deg=400"], "-180 to 180"),
         (["canal", "-o", "roof.stl"], ".obj, .off, .ply"),
         (["translation", "--offset", "100"], "no offset at a constant distance"),
     ],

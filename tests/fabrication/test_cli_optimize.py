@@ -41,7 +41,7 @@ def run(*words: object) -> tuple[int, str]:
 
 def test_planar_is_the_default_goal(roof: Path, tmp_path: Path) -> None:
     target = tmp_path / "flat.obj"
-    code, said = run("optimize", roof, target, "--no-picture")
+    code, said = run("optimize", roof, "-o", target, "--no-picture")
     assert code == 0, said
     mesh = read_mesh(target).mesh
     assert planarity_percent(mesh).max() <= 0.2
@@ -60,17 +60,17 @@ def test_planar_is_the_default_goal(roof: Path, tmp_path: Path) -> None:
 
 
 def test_picture(roof: Path, tmp_path: Path) -> None:
-    code, said = run("optimize", roof, tmp_path / "flat.off")
+    code, said = run("optimize", roof, "-o", tmp_path / "flat.off")
     assert code == 0, said
     assert "no picture" in said or (tmp_path / "flat.png").stat().st_size > 10_000
 
 
 def test_exact_and_close_are_options(roof: Path, tmp_path: Path) -> None:
     target = tmp_path / "flat.obj"
-    code, said = run("optimize", roof, target, "--flat", 0, "--keep", "close", "--no-picture")
+    code, said = run("optimize", roof, "-o", target, "--flat", 0, "--keep", "close", "--no-picture")
     assert code == 0, said
     assert planarity_percent(read_mesh(target).mesh).max() < 1e-7
-    code, said = run("optimize", roof, target, "--keep", "0.4", "--no-picture")
+    code, said = run("optimize", roof, "-o", target, "--keep", "0.4", "--no-picture")
     assert code == 0, said
 
 
@@ -78,7 +78,9 @@ def test_missed_goals_keep_the_best_mesh_apart_and_name_the_next_command(
     roof: Path, tmp_path: Path
 ) -> None:
     target = tmp_path / "flat.obj"
-    code, said = run("optimize", roof, target, "--set", "distance_limit_edges=[0.01, 1.0]")
+    code, said = run(
+        "optimize", roof, "-o", target, "--set", "optimize.distance_limit_edges=[0.01, 1.0]"
+    )
     assert code == 1
     assert "limit 0.01" in said
     assert not target.exists()
@@ -86,6 +88,7 @@ def test_missed_goals_keep_the_best_mesh_apart_and_name_the_next_command(
     assert planarity_percent(read_mesh(tmp_path / "flat.missed.obj").mesh).max() <= 0.2
     (line,) = [line for line in said.splitlines() if line.startswith("next: ")]
     assert "--keep close" in line
+    assert "--set 'optimize.distance_limit_edges=[0.01, 1]'" in line
     for _ in range(4):  # what is named helps, in the end
         words = shlex.split(line.removeprefix("next: ddgfab "))
         code, said = run(*words, "--no-picture")
@@ -97,7 +100,7 @@ def test_missed_goals_keep_the_best_mesh_apart_and_name_the_next_command(
 
 
 def test_limit_of_movement(roof: Path, tmp_path: Path) -> None:
-    code, said = run("optimize", roof, tmp_path / "flat.obj", "--max-movement", "0.001")
+    code, said = run("optimize", roof, "-o", tmp_path / "flat.obj", "--max-movement", "0.001")
     assert code == 1
     assert "limit 0.001" in said
 
@@ -106,7 +109,7 @@ def test_another_surface(roof: Path, tmp_path: Path) -> None:
     other = tmp_path / "other.obj"
     mesh = read_mesh(roof).mesh
     write_mesh(other, mesh.with_vertices(mesh.vertices + np.array([0, 0, 100])))
-    code, said = run("optimize", roof, tmp_path / "a.obj", "--surface", other, "--no-picture")
+    code, said = run("optimize", roof, "-o", tmp_path / "a.obj", "--surface", other, "--no-picture")
     assert code == 0, said
     raised = read_mesh(tmp_path / "a.obj").mesh.vertices[:, 2] - mesh.vertices[:, 2]
     assert 30 < raised.mean() < 110
@@ -116,7 +119,7 @@ def test_impossible_boundary_names_faces(tmp_path: Path) -> None:
     """One skew quad whose four corners are fixed cannot be flat."""
     path = tmp_path / "quad.obj"
     write_mesh(path, skew(1, 0.3))
-    code, said = run("optimize", path, tmp_path / "out.obj", "--boundary", "fixed")
+    code, said = run("optimize", path, "-o", tmp_path / "out.obj", "--boundary", "fixed")
     assert code == 1
     assert "1 faces cannot be planar" in said
     assert "faces 0" in said
@@ -128,26 +131,26 @@ def test_impossible_boundary_names_faces(tmp_path: Path) -> None:
     [
         (["--goal", "round"], "[optimize] goal"),
         (["--boundary", "loose"], "[optimize] boundary"),
-        (["--fix", "1,x"], "'x' is no vertex"),
+        (["--fix", "1,x"], "x is not a vertex"),
         (["--fix", "9999"], "9999"),
         (["--max-movement", "-1"], "max_movement_mm"),
         (["--flat", "-1"], "flat_percent"),
         (["--keep", "far"], "keep"),
         (["--goal", "families", "--keep", "close"], 'keep is for goal = "planar"'),
-        (["--set", "goall=planar"], "did you mean goal"),
-        (["--set", "goal"], "expected key=value"),
+        (["--set", "optimize.goall=planar"], "did you mean goal"),
+        (["--set", "goal=planar"], "expected section.key=value, such as optimize.goal=planar"),
     ],
 )
 def test_bad_options(roof: Path, tmp_path: Path, words: list[str], expected: str) -> None:
-    code, said = run("optimize", roof, tmp_path / "out.obj", *words)
+    code, said = run("optimize", roof, "-o", tmp_path / "out.obj", *words)
     assert code == 2, said
     assert expected in said
     assert sorted(p.name for p in tmp_path.iterdir()) == ["roof.obj"]
 
 
 def test_bad_targets(roof: Path, tmp_path: Path) -> None:
-    assert "unknown kind of mesh file" in run("optimize", roof, tmp_path / "out.stp")[1]
-    assert "no folder" in run("optimize", roof, tmp_path / "none" / "out.obj")[1]
+    assert "unknown kind of mesh file" in run("optimize", roof, "-o", tmp_path / "out.stp")[1]
+    assert "no folder" in run("optimize", roof, "-o", tmp_path / "none" / "out.obj")[1]
 
 
 def test_project_section(roof: Path) -> None:
@@ -164,13 +167,13 @@ def test_far_away_in_metres_the_result_lies_where_the_source_lay(tmp_path: Path)
     near, far = tmp_path / "near.obj", tmp_path / "far.obj"
     write_mesh(near, mesh)
     write_mesh(far, mesh.with_vertices(mesh.vertices / 1000.0 + away), units="m")
-    code, text = run("optimize", near, tmp_path / "a.obj", "--no-picture")
+    code, text = run("optimize", near, "-o", tmp_path / "a.obj", "--no-picture")
     assert code == 0, text
     # The surface has the source's corner cut off: its own local origin would be another one.
     part = Mesh.build(mesh.vertices / 1000.0 + away, mesh.faces[1:])
     write_mesh(tmp_path / "part.obj", part, units="m")
     for extra in ((), ("--surface", far), ("--surface", tmp_path / "part.obj")):
-        code, text = run("optimize", far, tmp_path / "b.obj", "--no-picture", *extra)
+        code, text = run("optimize", far, "-o", tmp_path / "b.obj", "--no-picture", *extra)
         assert code == 0, text
         one = read_mesh(tmp_path / "a.obj", units="stated").mesh.vertices
         other = read_mesh(tmp_path / "b.obj", units="stated").in_place.vertices

@@ -67,7 +67,9 @@ def test_step_face_becomes_a_net_with_a_hole(roof: Path, tmp_path: Path) -> None
 
 def test_named_surface_with_parameters_and_report(tmp_path: Path) -> None:
     target = tmp_path / "net.obj"
-    code, text = run("saddle", "-o", target, "--spacing", 2000, "--set", "width_mm=12e3", "--json")
+    code, text = run(
+        "saddle", "-o", target, "--spacing", 2000, "--set", "net.width_mm=12e3", "--json"
+    )
     assert code == 0, text
     record = json.loads(text)
     mesh = read_mesh(target).mesh
@@ -89,7 +91,11 @@ def test_plane_sections_are_plane(tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         (["sadle"], "did you mean saddle"),
-        (["saddle", "--set", "width=3"], "width is unknown"),
+        (["saddle", "--set", "net.width=3"], "[net] width is unknown; did you mean width_mm"),
+        (["saddle", "--set", "width_mm=3"], "such as net.width_mm=3"),
+        (["saddle", "--set", "net.spacing_mm=-3"], "[net] spacing_mm = -3 must be greater than 0"),
+        (["saddle", "--scale", "2"], "surfaces by name are in millimetres"),
+        (["missing.step", "--set", "net.spacin_mm=3"], "did you mean spacing_mm"),
         (["saddle", "--spacing", "90000"], "spacing 90000"),
         (["missing.step"], "no such file"),
         (["roof.3dm"], 'unknown kind of surface file ".3dm"'),

@@ -133,7 +133,7 @@ def test_the_command_lists_choices_and_writes_circles(tmp_path: Path) -> None:
     said = run("net", "minimal", "--list").output
     assert 'surface = "catenoid"  which minimal surface [catenoid, enneper, scherk' in said
     target, circles = tmp_path / "ball.obj", tmp_path / "ball.csv"
-    words = ["--set", "shape=cube", "--set", "cells=3", "-o", target]
+    words = ["--set", "net.shape=cube", "--set", "net.cells=3", "-o", target]
     done = run("net", "koebe", *words, "--circles", circles)
     assert done.exit_code == 0, done.output
     assert "54 incircles, 56 vertex-circles, 56 spheres" in done.output
@@ -150,7 +150,7 @@ def test_circles_as_step_are_read_by_the_kernel(tmp_path: Path) -> None:
     from build123d import GeomType, import_step
 
     target = tmp_path / "ball.step"
-    words = ["--set", "shape=cube", "--set", "cells=2", "-o", tmp_path / "ball.obj"]
+    words = ["--set", "net.shape=cube", "--set", "net.cells=2", "-o", tmp_path / "ball.obj"]
     done = run("net", "koebe", *words, "--circles", target)
     assert done.exit_code == 0, done.output
     edges = import_step(str(target)).edges()

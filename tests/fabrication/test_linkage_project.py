@@ -65,8 +65,8 @@ def test_parts_replace_the_printers_defaults() -> None:
     [
         ({"linkage": {"kind": "benett"}}, r'kind = "benett" is unknown; did you mean bennett'),
         ({"linkage": {"a_m": 3.0}}, r"\[linkage\] a_m is unknown; did you mean a_mm"),
-        ({"linkage": {"a_mm": -3.0}}, r"\[linkage\] a_mm = -3.0 must be greater than 0"),
-        ({"linkage": {"alpha_deg": 180.0}}, r"alpha_deg = 180.0 must be less than 180"),
+        ({"linkage": {"a_mm": -3.0}}, r"\[linkage\] a_mm = -3 must be greater than 0"),
+        ({"linkage": {"alpha_deg": 180.0}}, r"alpha_deg = 180 must be less than 180"),
         ({"printer": {"preset": "fdm-0.3"}}, r"fdm-0.3"),
         ({"printer": {"bed_mm": [220.0]}}, r"\[printer\] bed_mm"),
         ({"parts": {"pin": "wood"}}, r'\[parts\] pin = "wood" must be .metal. or .printed.'),

@@ -37,6 +37,10 @@ class Glb(Format):
     name = "glb"
     suffixes = (".glb",)
 
+    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+        """model.glb."""
+        return [MODEL]
+
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """model.glb; see `glb_bytes`."""
         meshes = {number: part.mesh for number, part in whole.parts.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -39,6 +40,10 @@ class Step(Format):
             *check_solid(part.solid, volume),
             *check_step_part(path, number=part.number, volume=volume),
         ]
+
+    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+        """assembly.step."""
+        return [ASSEMBLY]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """All pieces as instances; those that failed are a group and a layer of their own."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -28,6 +28,11 @@ PLATES: Final = "plates"
 """Folder of the print plates."""
 
 
+def plate_file(place: int) -> str:
+    """Path of a print plate below the output folder; plates count from 1."""
+    return f"{PLATES}/plate_{place}.3mf"
+
+
 class ThreeMF(Format):
     """3MF: a file a part number, and plates/plate_1.3mf, ... where the product is printed.
 
@@ -49,6 +54,10 @@ class ThreeMF(Format):
     def check_part(self, path: Path, part: Part) -> list[Check]:
         """Read back and compared; see `check_threemf`."""
         return check_threemf(path, [(part.number, part.mesh, 1)])
+
+    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+        """The print plates."""
+        return [plate_file(place) for place in range(1, plates + 1)]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """The print plates: an object a part number, an item a piece."""
@@ -87,7 +96,7 @@ class ThreeMF(Format):
         for place, standing in enumerate(whole.plates, 1):
             plate = [piece for piece in standing if piece[1] not in whole.failed]
             used = list(dict.fromkeys(number for number, _, _ in plate))
-            yield folder / PLATES / f"plate_{place}.3mf", used, plate
+            yield folder / plate_file(place), used, plate
 
     def inspect(self, path: Path) -> FileReport:
         """Its meshes; placements are taken as rigid motions."""

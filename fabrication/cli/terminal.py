@@ -1,0 +1,190 @@
+"""What commands print, and how they end: one message and an exit code for every error."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Final
+
+import typer
+from typer.core import TyperGroup
+
+from fabrication.cli.steps import Steps
+
+if TYPE_CHECKING:
+    from fabrication.progress import Progress
+
+DONE, FAILED, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
+"""Exit codes: every check passed; a check failed; bad usage or input; a fault of the program."""
+
+_REASON: Final = re.compile(r"Invalid value for '?(?P<what>[^']*?)'?: Input should be (?P<how>.*)")
+_PARSING: Final = re.compile(r", unable to parse string as an? \w+$")
+
+
+def write(text: str, *, error: bool = False) -> None:
+    """Print text that may hold names, paths and values of others: escaped for the terminal."""
+    from ddgfab.errors import printable
+
+    typer.echo(printable(text), err=error)
+
+
+class Session:
+    """One run of a command: what it prints, by `--quiet` and `--verbose`, and its progress."""
+
+    def __init__(self, quiet: bool = False, verbose: bool = False) -> None:
+        self.quiet, self.verbose = quiet, verbose
+        self._steps = Steps(hidden=quiet, timed=verbose)
+
+    @property
+    def progress(self) -> Progress:
+        """To be called as (step, done, of)."""
+        return self._steps
+
+    def result(self, text: str) -> None:
+        """Print what the command is for: always."""
+        self.close()
+        write(text)
+
+    def say(self, text: str) -> None:
+        """Print, unless quiet."""
+        if not self.quiet:
+            self.result(text)
+
+    def detail(self, text: str) -> None:
+        """Print, if verbose."""
+        if self.verbose:
+            self.result(text)
+
+    def fail(self, text: str) -> None:
+        """Print what is wrong, on standard error: always."""
+        self.close()
+        write(text, error=True)
+
+    def close(self) -> None:
+        """Stop the clocks: the last step is done."""
+        self._steps.close()
+
+    def stop(self) -> None:
+        """Stop the clocks: the last step will not end."""
+        self._steps.stop()
+
+
+@contextmanager
+def session(debug: bool, quiet: bool = False, verbose: bool = False) -> Iterator[Session]:
+    """A run of a command; one clear message and the right exit code where it fails."""
+    run = Session(quiet, verbose)
+    with errors(debug, run):
+        if quiet and verbose:
+            from ddgfab.errors import InputError
+
+            raise InputError("--quiet and --verbose exclude each other")
+        yield run
+        run.close()
+
+
+@contextmanager
+def errors(debug: bool, run: Session) -> Iterator[None]:
+    """One clear message and the right exit code; a traceback only with --debug."""
+    from ddgfab.errors import DdgError
+
+    def stop(signum: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    except (typer.Exit, typer.Abort, typer.TyperException):
+        run.close()
+        raise
+    except DdgError as error:
+        run.stop()
+        if debug:
+            raise
+        run.fail(f"error: {_limits_text(error) or error}")
+        raise typer.Exit(BAD_INPUT) from None
+    except KeyboardInterrupt:
+        run.stop()
+        run.fail("interrupted: nothing was written")
+        raise typer.Exit(INTERRUPTED) from None
+    except BrokenPipeError:  # the reader has what it wanted, as in `ddgfab net --list | head`
+        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
+        raise typer.Exit(DONE) from None
+    except Exception as error:
+        run.stop()
+        if debug or (isinstance(error, OSError) and error.filename is None):  # see `output`
+            raise
+        run.fail(
+            f"error: unexpected {type(error).__name__}: {error}\nNothing was written. "
+            "This is a fault of ddgfab: run again with --debug and report it."
+        )
+        raise typer.Exit(FAULT) from None
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _limits_text(error: Exception) -> str | None:
+    """The message of a job that stopped at limits, with the next commands; None for others."""
+    from fabrication.job.limits import LimitError
+
+    if not isinstance(error, LimitError):
+        return None
+    given = ["ddgfab", *sys.argv[1:]]
+    lines = [f"{error.summary}; nothing was made"]
+    if error.settings:
+        lines.append(f"Next: {shlex.join([*given, *error.arguments()])}")
+    lines.append(f"Or make the parts all the same, and reject them: {shlex.join(given)} --anyway")
+    return "\n".join(lines)
+
+
+@contextmanager
+def output() -> Iterator[None]:
+    """Standard output that a full disk ends: one message, also for what commands do not write."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure: Any = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:  # a terminal without Unicode shows escapes
+            reconfigure(errors="backslashreplace")
+    try:
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+    except OSError as error:
+        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
+        write(f"error: output cannot be written: {error.strerror}", error=True)
+        raise SystemExit(BAD_INPUT) from None
+
+
+class Program(TyperGroup):
+    """The program: wrong usage ends as every other error does, with one message and code 2."""
+
+    def main(self, args: Any = None, *rest: Any, **kwargs: Any) -> Any:
+        """Run it; see `typer.core.TyperGroup.main`."""
+        alone = kwargs.pop("standalone_mode", True)
+        kwargs["standalone_mode"] = False
+        if not alone:
+            return super().main(args, *rest, **kwargs)
+        try:
+            code = super().main(args, *rest, **kwargs)
+        except typer.TyperException as error:
+            if type(error).__name__ != "NoArgsIsHelpError":  # which has shown the help already
+                write(_usage_text(error), error=True)
+            sys.exit(BAD_INPUT)
+        except typer.Abort:
+            write("interrupted", error=True)
+            sys.exit(INTERRUPTED)
+        sys.exit(code if isinstance(code, int) else DONE)
+
+
+def _usage_text(error: typer.TyperException) -> str:
+    """What is wrong with the arguments, and where they are explained."""
+    message = error.format_message().rstrip(".")
+    if found := _REASON.fullmatch(message):
+        message = f"{found['what']} must be {_PARSING.sub('', found['how'])}"
+    context = getattr(error, "ctx", None)
+    command = "ddgfab" if context is None else context.command_path
+    return f"error: {message}\nSee {command} --help"
