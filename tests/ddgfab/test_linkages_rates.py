@@ -162,3 +162,16 @@ def test_series() -> None:
     one = product(inverse, series)
     assert one[0] == pytest.approx([1, 1])
     assert np.abs(one[1:]).max() < 1e-10
+
+
+@pytest.mark.parametrize("ratio", [0.2, -0.7, 1.0, 3.0])
+@pytest.mark.parametrize("around", [0.3, 0.02])
+def test_the_slope_of_an_isogram_is_bounded_on_a_disc(ratio: float, around: float) -> None:
+    angles = np.linspace(-3.0, 3.0, 13)
+    on_disc = around * np.exp(1j * np.linspace(0, 2 * np.pi, 73))
+    z = angles[:, None] + on_disc
+    slope = np.abs(-2.0 * ratio / ((1 + ratio**2) - (1 - ratio**2) * np.cos(z))).max(axis=1)
+    bound = models._steepest(ratio, angles, np.full(len(angles), around))
+    assert (slope <= bound * (1 + 1e-12)).all()
+    if around < 0.1:
+        assert (bound <= 1.2 * slope).all()
