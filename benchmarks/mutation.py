@@ -43,7 +43,11 @@ ROOMS = {
     ),
     "families": (
         ["fabrication/families.py", "fabrication/variants.py"],
-        ["fabrication/test_families.py", "fabrication/test_new_kind.py"],
+        [
+            "fabrication/test_families.py",
+            "fabrication/test_new_kind.py",
+            "fabrication/test_parts_pin.py",
+        ],
     ),
     "checks": (["fabrication/checks"], ["fabrication/test_checks_*.py"]),
 }
@@ -123,7 +127,8 @@ def main() -> None:
         with sqlite3.connect(session) as data:
             rows = data.execute(
                 "select module_path, operator_name, start_pos_row, test_outcome, diff from "
-                "mutation_specs join work_results using (job_id) order by module_path, start_pos_row"
+                "mutation_specs join work_results using (job_id) "
+                "order by module_path, start_pos_row"
             ).fetchall()
         alive = [row for row in rows if "SURVIVED" in str(row[3]).upper()]
         killed = len(rows) - len(alive)
