@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 from ddgfab.errors import InputError
 from fabrication.boundary import Boundary
@@ -25,7 +25,6 @@ from fabrication.specs import (
 if TYPE_CHECKING:
     from fabrication.formats.report import FileReport
 
-Schema = Literal["AP214", "AP242"]
 Row: TypeAlias = Mapping[str, Any]
 Standing: TypeAlias = tuple[str, str, Placement]
 """Part number, piece mark, (4, 4) placement [mm]."""
@@ -54,11 +53,11 @@ class Header:
 
 @dataclass(frozen=True)
 class About:
-    """What files tell of their origin: the project's name, header, and the STEP schema wanted."""
+    """What files state of their origin, and [output.options]: by format, by name of an option."""
 
     project: str
     header: Header
-    schema: Schema = "AP214"
+    options: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -176,6 +175,7 @@ class Format:
     printing : whether it is for printers: written by default only of products that are printed
     needs, needs_to_check : modules, and the packages that pip installs for them
     libraries : distributions whose versions belong into the manifest
+    options : what [output.options] may set of it: the values of each option, the default first
     """
 
     name: ClassVar[str]
@@ -186,6 +186,11 @@ class Format:
     needs: ClassVar[Mapping[str, str]] = {}
     needs_to_check: ClassVar[Mapping[str, str]] = {}
     libraries: ClassVar[tuple[str, ...]] = ()
+    options: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+
+    def option(self, about: About, name: str) -> str:
+        """The value of an option: that of the project, or the default."""
+        return about.options.get(self.name, {}).get(name, self.options[name][0])
 
     def write_part(self, path: Path, part: Part, about: About) -> None:
         """Write the file of one part number."""

@@ -74,6 +74,24 @@ def check_names(given: Iterable[str], known: Iterable[str]) -> None:
             raise InputError(f'format "{name}" is unknown; {suggestion(name, known)}')
 
 
+def check_options(options: Mapping[str, Mapping[str, str]]) -> None:
+    """Raise InputError for the first option, or value of one, that its format does not have."""
+    check_names(options, names())
+    for name, chosen in options.items():
+        known = find(name).options
+        for option, value in chosen.items():
+            if not known:
+                raise InputError(f'format "{name}" has no options')
+            if option not in known:
+                raise InputError(
+                    f'format "{name}" has no option "{option}"; {suggestion(option, known)}'
+                )
+            if value not in known[option]:
+                raise InputError(
+                    f'{name}.{option} = "{value}" must be {" or ".join(known[option])}'
+                )
+
+
 def missing(formats: Iterable[Format], *, checked: bool) -> None:
     """Raise where a package is not installed that a format needs to be written, or checked.
 

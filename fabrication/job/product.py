@@ -89,7 +89,7 @@ class Product(ABC):
         """What files state of their origin."""
         output = self.output
         header = Header(output.author, output.organization, self.name)
-        return About(self.name, header, output.step_schema)
+        return About(self.name, header, output.options)
 
     def format(self, name: str) -> Format:
         """A format of [output] formats: of the registry, or of the product's own."""

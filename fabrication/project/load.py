@@ -120,6 +120,8 @@ def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
             section = header[1]
             if section == path[0]:
                 place = number
+            elif section == ".".join(map(str, path[:2])):
+                return number
         elif section == path[0] and len(path) > 1:
             if re.match(rf"\s*[\"']?{re.escape(str(path[1]))}[\"']?\s*=", line):
                 return number
@@ -163,7 +165,7 @@ def _value_problem(key: str, path: tuple[str | int, ...], problem: Any, same: li
     if problem["type"] == "missing":
         return f"{key} = {show(value)} has too few values"
     allowed = dict.fromkeys(other["msg"].removeprefix("Input should be ") for other in same)
-    limit = " or ".join(allowed).replace("a valid ", "a ")
+    limit = " or ".join(allowed).replace("a valid ", "a ").replace("dictionary", "table")
     literals = [str(name) for other in same for name in re.findall(r"'([^']*)'", other["msg"])]
     meant = isinstance(value, str) and nearest(value, literals)
     hint = f"; {suggestion(value, literals)}" if meant else ""

@@ -8,8 +8,7 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from ddgfab.errors import InputError
-from fabrication.formats.base import Schema
-from fabrication.formats.registry import check_names, defaults, names
+from fabrication.formats.registry import check_names, check_options, defaults, names
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -37,7 +36,8 @@ class OutputSettings(Section):
     ----------
     formats : files to write; manifest and preview are always written
     jobs : processes; 0 = as many as there are cores
-    step_schema : "AP214" opens almost everywhere, "AP242" is newer
+    options : of formats, [output.options]: step.schema = "AP214" opens almost everywhere, "AP242"
+        is newer
     author, organization : for the STEP headers
     """
 
@@ -48,7 +48,7 @@ class OutputSettings(Section):
         default_factory=lambda: defaults(printed=False)
     )
     jobs: Annotated[int, Field(ge=0, le=256)] = 0
-    step_schema: Schema = "AP214"
+    options: dict[str, dict[str, str]] = Field(default_factory=dict)
     author: str = ""
     organization: str = ""
 
@@ -60,3 +60,12 @@ class OutputSettings(Section):
         except InputError as error:
             raise ValueError(str(error)) from None
         return tuple(dict.fromkeys(value))
+
+    @field_validator("options")
+    @classmethod
+    def _options(cls, value: dict[str, dict[str, str]]) -> dict[str, dict[str, str]]:
+        try:
+            check_options(value)
+        except InputError as error:
+            raise ValueError(str(error)) from None
+        return value

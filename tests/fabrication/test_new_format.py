@@ -34,6 +34,7 @@ class Triangles(Format):
     suffixes = (".tri",)
     parts = True
     libraries = ("pytest",)
+    options = {"comment": ("#", "%")}  # noqa: RUF012
     spoilt: str | None = None  # part number whose file is written without its last triangle
 
     def write_part(self, path: Path, part: Part, about: About) -> None:
@@ -41,11 +42,13 @@ class Triangles(Format):
         if part.number == self.spoilt:
             corners = corners[:-1]
         lines = [" ".join(map(repr, row)) for row in corners.tolist()]
-        path.write_text("\n".join([f"# {about.project} {part.number}", *lines, ""]), "utf-8")
+        path.write_text(
+            "\n".join([f"{self.option(about, 'comment')} {part.number}", *lines, ""]), "utf-8"
+        )
 
     def check_part(self, path: Path, part: Part) -> list[Check]:
         wanted = part.mesh.vertices[part.mesh.triangles]
-        found = np.loadtxt(path).reshape(-1, 3, 3)
+        found = np.loadtxt(path, comments=self.options["comment"]).reshape(-1, 3, 3)
         same = found.shape == wanted.shape and bool((found == wanted).all())
         return [Check("tri corners", same, float(len(found)), float(len(wanted)))]
 
@@ -60,7 +63,7 @@ class Triangles(Format):
         return [Check("tri pieces", found == wanted, float(found), float(wanted))]
 
     def inspect(self, path: Path) -> FileReport:
-        corners = np.loadtxt(path).reshape(-1, 3)
+        corners = np.loadtxt(path, comments=self.options["comment"]).reshape(-1, 3)
         points, inverse = np.unique(corners, axis=0, return_inverse=True)
         mesh = TriangleMesh(points, inverse.reshape(-1, 3))
         return mesh_report(path, "TRI", "mm", [("", 1, mesh)])
@@ -98,8 +101,11 @@ def check_result(result: JobResult) -> None:
 
 @pytest.mark.slow
 def test_a_gridshell(tri: Triangles, tmp_path: Path) -> None:
-    made = design(barrel(1, 2), output={"formats": ["tri", "csv"]})
+    options = {"tri": {"comment": "%"}}
+    made = design(barrel(1, 2), output={"formats": ["tri", "csv"], "options": options})
     check_result(make(made, tmp_path / "roof"))
+    files = list((tmp_path / "roof" / "parts" / "tri").iterdir())
+    assert all(path.read_text("utf-8").startswith("% ") for path in files)
 
 
 @pytest.mark.slow

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from ddgfab.io.atomic import atomic_write
-from fabrication.formats.base import Header, Material, Schema
+from fabrication.formats.base import Header, Material
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
-from fabrication.formats.step.records import Product, time_stamp
+from fabrication.formats.step.records import Product, Schema, time_stamp
 from fabrication.specs import Placement
 
 __all__ = [

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import DdgError, KernelError
-from fabrication.formats.base import REJECTED_KIND, Header, Material, Schema
+from fabrication.formats.base import REJECTED_KIND, Header, Material
 from fabrication.formats.step.entities import (
     COMMON,
     COMMON_CONTEXT,
@@ -34,7 +34,7 @@ from fabrication.formats.step.entities import (
 )
 from fabrication.formats.step.geometry import LOCAL, BoundaryShell
 from fabrication.formats.step.kernel import KernelShell
-from fabrication.formats.step.records import Product, time_stamp
+from fabrication.formats.step.records import Product, Schema, time_stamp
 from fabrication.formats.step.text import (
     STYLE_IDS,
     header_list,

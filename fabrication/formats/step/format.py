@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Final, cast, get_args
 
 from fabrication.checks.solid import check_solid
 from fabrication.formats.base import About, Format, Part, Whole
 from fabrication.formats.report import Body, FileReport, file_report
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
 from fabrication.formats.step.read import check_step_part, read_step
-from fabrication.formats.step.records import Product
+from fabrication.formats.step.records import Product, Schema
 from fabrication.formats.step.whole import check_step_assembly
 from fabrication.specs import Check
 
@@ -27,10 +27,12 @@ class Step(Format):
     parts = True
     needs_to_check = {"OCP": "cadquery-ocp"}  # noqa: RUF012
     libraries = ("cadquery-ocp", "build123d", "cadquery")
+    options = {"schema": get_args(Schema)}  # noqa: RUF012
 
     def write_part(self, path: Path, part: Part, about: About) -> None:
         """One product; see `part_bytes`."""
-        data = part_bytes(_product(part), path.name, header=about.header, schema=about.schema)
+        schema = self._schema(about)
+        data = part_bytes(_product(part), path.name, header=about.header, schema=schema)
         path.write_bytes(data)
 
     def check_part(self, path: Path, part: Part) -> list[Check]:
@@ -57,7 +59,7 @@ class Step(Format):
             name=whole.about.project,
             file_name=path.name,
             header=whole.about.header,
-            schema=whole.about.schema,
+            schema=self._schema(whole.about),
         )
         path.write_bytes(data)
         return []
@@ -69,6 +71,9 @@ class Step(Format):
             for number, mark, at in whole.standing()
         }
         return check_step_assembly(folder / ASSEMBLY, expected, whole.failed)
+
+    def _schema(self, about: About) -> Schema:
+        return cast(Schema, self.option(about, "schema"))
 
     def inspect(self, path: Path) -> FileReport:
         """Each product: solids, closed, valid, volume."""

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, Literal
 
 from fabrication.boundary import Boundary
 from fabrication.formats.base import Material
 from fabrication.specs import Kind, Properties
+
+Schema = Literal["AP214", "AP242"]
 
 
 @dataclass(frozen=True, eq=False)
