@@ -41,7 +41,7 @@ def _escaped(character: str) -> str:
 
 
 class DdgError(Exception):
-    """Base of every error that a user can cause or must hear about.
+    """Base of every error that a user can cause or has to know of.
 
     The message is one to three lines: what failed and where, the value and the limit, what to do.
     Characters that a terminal would obey are written as escapes; see `printable`.

@@ -7,7 +7,6 @@ given against them, and lists the function under its kind.
 
 from __future__ import annotations
 
-import difflib
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from typing import Any, Literal, ParamSpec, get_args, get_type_hints
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Mesh
+from ddgfab.suggest import suggestion
 
 P = ParamSpec("P")
 
@@ -97,7 +97,7 @@ class Generator:
         known = {parameter.name: parameter for parameter in self.parameters}
         for name, value in values.items():
             if name not in known:
-                raise ParameterError(f"{name} is unknown; {nearest_of(name, list(known))}", name)
+                raise ParameterError(f"{name} is unknown; {suggestion(name, known)}", name)
             _check(known[name], value)
 
     def files(self, values: Mapping[str, Any]) -> tuple[str, ...]:
@@ -112,12 +112,6 @@ GENERATORS: dict[str, Generator] = {}
 """Every kind, as the modules that make them are imported; `ddgfab.forms.registry` imports all."""
 
 
-def nearest_of(word: str, known: list[str]) -> str:
-    """Which known word was meant, or all of them, as the end of a message."""
-    near = difflib.get_close_matches(word, known, 1, 0.5)
-    return f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
-
-
 def _check(parameter: Parameter, value: Any) -> None:
     name = parameter.name
     if parameter.type is str:
@@ -125,8 +119,8 @@ def _check(parameter: Parameter, value: Any) -> None:
         return
     number = isinstance(value, Real) and not isinstance(value, bool) and isfinite(value)
     if not number or (parameter.type is int and not isinstance(value, Integral)):
-        wish = "a whole number" if parameter.type is int else "a number"
-        raise ParameterError(f"{name} = {value!r} must be {wish}", name)
+        needed = "a whole number" if parameter.type is int else "a number"
+        raise ParameterError(f"{name} = {value!r} must be {needed}", name)
     if not parameter.low <= value <= parameter.high:
         raise ParameterError(
             f"{name} = {value:g} is beyond its limits: {parameter.limits} ({parameter.text})", name
@@ -138,7 +132,7 @@ def _check_text(parameter: Parameter, value: Any) -> None:
     if not isinstance(value, str):
         raise ParameterError(f"{name} = {value!r} must be a text in quotes", name)
     if parameter.choices and value not in parameter.choices:
-        hint = nearest_of(value, list(parameter.choices))
+        hint = suggestion(value, parameter.choices)
         raise ParameterError(f'{name} = "{value}" is unknown; {hint}', name)
 
 

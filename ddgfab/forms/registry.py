@@ -22,8 +22,9 @@ from ddgfab.forms import (  # noqa: F401
     station_canopy,
     translation,
 )
-from ddgfab.forms.generators import GENERATORS, Generator, ParameterError, nearest_of
+from ddgfab.forms.generators import GENERATORS, Generator, ParameterError
 from ddgfab.mesh import Mesh
+from ddgfab.suggest import suggestion
 
 __all__ = ["Generator", "ParameterError", "find_generator", "generate", "kinds"]
 
@@ -44,7 +45,7 @@ def find_generator(kind: str) -> Generator:
         An unknown kind; names the nearest.
     """
     if kind not in GENERATORS:
-        raise ParameterError(f'kind "{kind}" is unknown; {nearest_of(kind, list(kinds()))}', "kind")
+        raise ParameterError(f'kind "{kind}" is unknown; {suggestion(kind, kinds())}', "kind")
     return GENERATORS[kind]
 
 
