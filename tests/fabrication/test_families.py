@@ -15,9 +15,11 @@ from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from fabrication.families import cluster, families
 from fabrication.gridshell.pieces import Beam, Node, Panel
+from fabrication.linkage.pieces import Loose
 from fabrication.parts.beam import BeamShape, EndCut, fibre_ends
 from fabrication.parts.node import NodeShape, Seat
 from fabrication.parts.panel import PANEL, PanelShape, panel_variants
+from fabrication.parts.pin import PIN, PinShape
 from fabrication.specs import Check, Family, Piece
 from fabrication.standards import polygon, profile
 from fabrication.standards.profiles import z_range
@@ -341,3 +343,52 @@ def test_growth_is_nearly_linear() -> None:
     few = min(seconds(2000) for _ in range(3))
     many = min(seconds(16000) for _ in range(2))
     assert many < 8 * 4 * few  # linear would be 8 times, quadratic 64 times
+
+
+def greedy(points: Floats, tolerance: float) -> tuple[list[int], list[float]]:
+    """Leaders and deviations by comparing every piece with every leader before it."""
+    leaders: list[int] = []
+    owner, off = [], []
+    for k in range(len(points)):
+        apart = np.linalg.norm(points[leaders] - points[k, 0], axis=-1).max(axis=-1).min(axis=-1)
+        fits = np.flatnonzero(apart <= tolerance)
+        if len(fits):
+            owner.append(leaders[fits[0]])
+            off.append(float(apart[fits[0]]))
+        else:
+            leaders.append(k)
+            owner.append(k)
+            off.append(0.0)
+    return owner, off
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("scatter", [0.01, 0.04, 0.1])
+def test_clusters_are_those_of_comparing_all_with_all(seed: int, scatter: float) -> None:
+    """Few shapes, each turned and measured with errors: variants matter, and the tolerance does."""
+    rng = np.random.default_rng(seed)
+    shapes = rng.uniform(-500, 500, (9, 4, 2))
+    shapes[5:] = shapes[:4] + rng.normal(0, 0.05, (4, 4, 2))
+    pieces = shapes[rng.integers(0, 9, 300)]
+    turns = rng.integers(0, 4, 300)
+    pieces = np.stack([np.roll(p, k, axis=0) for p, k in zip(pieces, turns, strict=True)])
+    pieces = pieces + rng.normal(0, scatter, pieces.shape)
+    points = np.stack([np.roll(pieces, k, axis=1) for k in range(4)], axis=1)
+    found = cluster(points, 0.1)
+    owner, off = greedy(points, 0.1)
+    assert found.leader.tolist() == owner
+    assert np.allclose(found.deviation, off, atol=1e-5)
+    for k, leader in enumerate(owner):
+        apart = np.linalg.norm(points[leader, found.variant[k]] - points[k, 0], axis=-1).max()
+        assert apart == pytest.approx(off[k], abs=1e-5)
+    assert 5 <= len(set(owner)) < 300
+
+
+def test_pieces_whose_key_is_everything_keep_their_places() -> None:
+    shapes = [PinShape(3.0, 12.0, 5.0, 1.5), PinShape(3.0, 12.0, 5.0, 1.5), PinShape(3.0, 14.0)]
+    pieces = [Loose(f"H-{k:04d}", PIN, shape, motion(k)) for k, shape in enumerate(shapes)]
+    found = families(pieces)
+    assert marks(found) == [["H-0000", "H-0001"], ["H-0002"]]
+    for family in found:
+        for instance in family.instances:
+            assert np.allclose(instance.placement, motion(int(instance.mark[2:])), atol=1e-9)
