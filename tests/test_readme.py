@@ -46,7 +46,7 @@ def test_python_snippet(snippet: str, here: Path) -> None:
 def test_commands(here: Path) -> None:
     """Every `ddgfab ...` line of the usage block, in order; globs as the shell would."""
     lines = [line for line in blocks("bash")[2].splitlines() if line.startswith("ddgfab ")]
-    assert len(lines) == 5
+    assert len(lines) == 6
     for line in lines:
         words = []
         for word in shlex.split(line, comments=True)[1:]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ddgfab.errors import ProjectError, clipped
 from ddgfab.suggest import nearest
-from fabrication.project.load import parse_toml
+from fabrication.project.read import merged, parse_toml
 
 Sections = dict[str, dict[str, Any]]
 """Settings by section and key."""
@@ -42,7 +42,10 @@ def sections_of(changes: Sequence[str] | None, only: str | None = None) -> Secti
             raise ProjectError(
                 f"--set {clipped(change)}: this command has no section {clipped(section)}; {hint}"
             )
-        sections.setdefault(section, {})[key] = value_of(value, f"--set {clipped(name)}")
+        inner = value_of(value, f"--set {clipped(name)}")
+        for table in reversed(key.split(".")):  # output.options.step.schema=AP242
+            inner = {table: inner}
+        sections[section] = merged(sections.get(section, {}), inner)
     return sections
 
 
@@ -65,7 +68,7 @@ def value_of(text: str, where: str = "value") -> Any:
     except tomllib.TOMLDecodeError:
         return text.strip()
     except ProjectError as error:
-        raise ProjectError(f"{where}: {error}") from None
+        raise ProjectError(f"{where}: {str(error).removeprefix('value = ')}") from None
     return values["value"] if set(values) == {"value"} else text.strip()
 
 

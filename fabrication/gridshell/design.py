@@ -220,7 +220,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
 def support_kind(project: Project) -> SupportKind:
     """The project's kind of node axes; where it names none, what suits its kind of net."""
     generated = GENERATORS.get(project.net.kind)
-    if generated is None or "kind" in project.support.model_fields_set:
+    if generated is None or project.support.kind != "auto":
         return project.support.kind
     return generated.support
 
@@ -291,7 +291,7 @@ def _read(project: Project, path: Path) -> ReadResult:
 
 def _notes(project: Project) -> tuple[str, ...]:
     """Remarks on a generated net, for report and manifest."""
-    if support_kind(project) != "normals" or "kind" in project.support.model_fields_set:
+    if support_kind(project) != "normals" or project.support.kind != "auto":
         return ()
     return (
         f'[net] kind = "{project.net.kind}" follows asymptotic lines: no upright axes are free of '

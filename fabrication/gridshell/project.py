@@ -5,6 +5,7 @@ A key's unit is in its name: _mm millimetres, _deg degrees, _percent percent.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, get_args
 
@@ -15,6 +16,7 @@ from ddgfab.io import Unit, Up, to_millimetres
 from ddgfab.optimize import Boundary, Goal, Keep
 from ddgfab.suggest import suggestion
 from ddgfab.support import SupportKind
+from ddgfab.surfaces.analytic import SURFACES
 from ddgfab.tolerances import LEAN_LIMIT_DEG
 from fabrication.project.sections import (
     Degrees,
@@ -39,7 +41,7 @@ SURFACE: Final = "surface"
 
 
 class GeneralSettings(Section):
-    """[project]: name and the size of the input.
+    """[project]: the name, and the size of the input.
 
     Attributes
     ----------
@@ -56,7 +58,7 @@ class GeneralSettings(Section):
 
     @model_validator(mode="after")
     def _one_size(self) -> GeneralSettings:
-        if self.median_edge_mm is not None and self.model_fields_set & {"scale", "units"}:
+        if self.median_edge_mm is not None and self.changed() & {"scale", "units"}:
             raise ValueError("median_edge_mm replaces scale and units: give one or the other")
         return self
 
@@ -131,6 +133,11 @@ class NetSettings(Section):
         """Of kind = "surface", besides the parameters of the surface itself."""
         return set(cls.model_fields) - {"parameters", *cls.mesh_keys()}
 
+    @classmethod
+    def choices(cls) -> Mapping[str, Sequence[str]]:
+        """The surfaces by name."""
+        return {"surface": tuple(SURFACES)}
+
     @field_validator("kind")
     @classmethod
     def _known(cls, value: str) -> str:
@@ -147,7 +154,7 @@ class NetSettings(Section):
             if (self.file is None) == (not self.surface):
                 raise ValueError('kind = "surface" needs file = "..." or surface = "dome"')
             return self
-        if own := sorted(self.model_fields_set & (self.surface_keys() - self.keys())):
+        if own := sorted(self.changed() & (self.surface_keys() - self.keys())):
             raise ValueError(f'{own[0]} is for kind = "surface", not for "{self.kind}"')
         if self.kind != MESH and self.file is not None:
             raise ValueError(f'file is for kind = "mesh", not for "{self.kind}"')
@@ -169,7 +176,7 @@ OPTIMIZE_OPTIONS: Final[dict[str, tuple[str, ...]]] = {
 
 
 class OptimizeSettings(Section):
-    """[optimize]: what the mesh is made before anything is built on it.
+    """[optimize]: how the mesh is changed before anything is built on it.
 
     Attributes
     ----------
@@ -206,10 +213,10 @@ class OptimizeSettings(Section):
 
     @model_validator(mode="after")
     def _has_goal(self) -> OptimizeSettings:
-        if self.model_fields_set and "goal" not in self.model_fields_set:
+        if self.changed() and "goal" not in self.model_fields_set:
             raise ValueError(f"goal is missing; one of {', '.join(get_args(Goal))}")
         for key, goals in OPTIMIZE_OPTIONS.items():
-            if key in self.model_fields_set and self.goal not in goals:
+            if key in self.changed() and self.goal not in goals:
                 names = " or ".join(f'"{goal}"' for goal in goals)
                 raise ValueError(f'{key} is for goal = {names}, not for "{self.goal}"')
         return self
@@ -220,8 +227,9 @@ class SupportSettings(Section):
 
     Attributes
     ----------
-    kind : of the torsion-free structure; "auto" takes what the net allows. "normals" (K-nets:
-        surface normals) leaves torsion in every beam, so it needs a [checks] torsion_deg to match
+    kind : of the torsion-free structure; "auto" takes what the kind of net is made for (Koebe
+        and minimal nets: "edge", K-nets: "normals"), else what the net allows. "normals" (surface
+        normals) leaves torsion in every beam, so it needs a [checks] torsion_deg to match
     lean_limit_deg : angle between node axis and surface normal
     """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -16,7 +17,7 @@ from ddgfab.net import Net
 from ddgfab.nets.knet import KNet
 from ddgfab.nets.knet.crab import crab_net
 from ddgfab.nets.knet.recover import recover_knet
-from fabrication.linkage.surfaces import check_numbers, surface_net
+from fabrication.linkage.surfaces import SURFACES, check_numbers, surface_net
 from fabrication.project.sections import Finite, Positive, Section
 
 Angle = Annotated[float, Field(gt=0, lt=360)]
@@ -121,9 +122,14 @@ class KNetLinkage(Section):
     anchor: tuple[Index, Index] | None = Field(default=None, strict=False)
     path: Literal["locked", "fold"] = "locked"
 
+    @classmethod
+    def choices(cls) -> Mapping[str, Sequence[str]]:
+        """The surfaces."""
+        return {"surface": tuple(SURFACES)}
+
     @model_validator(mode="after")
     def _one_source(self) -> KNetLinkage:
-        made = [name for name in MADE if name in self.model_fields_set]
+        made = [name for name in MADE if name in self.changed()]
         if self.file is not None and made:
             raise ValueError(f"file and {made[0]} exclude each other")
         if self.patch is not None and self.file is None:

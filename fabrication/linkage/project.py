@@ -5,13 +5,12 @@ A key's unit is in its name: _mm millimetres, _deg degrees.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
 
 from pydantic import Field, ValidationError, field_validator
 
-from ddgfab.errors import ProjectError
 from ddgfab.linkages import Mechanism
 from ddgfab.suggest import nearest
 from fabrication.formats.registry import defaults
@@ -20,7 +19,8 @@ from fabrication.linkage.kinds import BennettLinkage, CrabLinkage, CubeLinkage, 
 from fabrication.linkage.page import Html
 from fabrication.linkage.plates import BED_MM, GAP_MM, MARGIN_MM, Bed
 from fabrication.linkage.settings import LabelStyle, LinkageSettings, PinKind, settings_for
-from fabrication.project.load import changed, explain, find_line, read_toml, sections_in, unknown
+from fabrication.project.load import explain, sections_in, unknown
+from fabrication.project.read import Changes, Origin, read_changed
 from fabrication.project.sections import (
     NotNegative,
     OutputSettings,
@@ -28,11 +28,17 @@ from fabrication.project.sections import (
     Section,
     Verify,
 )
-from fabrication.standards.printers import printer
+from fabrication.project.toml import toml_text
+from fabrication.standards.printers import printer, printer_keys
 
 
 class NameSettings(Section):
-    """[project] name: of the output folder; empty: the file's stem, or the kind of linkage."""
+    """[project].
+
+    Attributes
+    ----------
+    name : of the output folder; empty: the file's stem, or the kind of linkage
+    """
 
     name: str = ""
 
@@ -53,6 +59,11 @@ class PrinterSettings(Section):
     margin_mm: NotNegative = MARGIN_MM
     gap_mm: NotNegative = GAP_MM
 
+    @classmethod
+    def choices(cls) -> Mapping[str, Sequence[str]]:
+        """The presets."""
+        return {"preset": printer_keys()}
+
     @field_validator("preset")
     @classmethod
     def _known(cls, value: str) -> str:
@@ -65,7 +76,7 @@ class PrinterSettings(Section):
 
 
 class PartsSettings(Section):
-    """[parts]: what differs from the printer's defaults; see `LinkageSettings`.
+    """[parts]: what differs from the printer's defaults.
 
     Attributes
     ----------
@@ -119,13 +130,18 @@ class MotionSettings(Section):
 
 
 class CheckSettings(Section):
-    """[checks] verify : which files are read back: "all", "sample" (one in ten) or "none"."""
+    """[checks].
+
+    Attributes
+    ----------
+    verify : which files are read back: "all", "sample" (one in ten) or "none"
+    """
 
     verify: Verify = "all"
 
 
 class KitOutput(OutputSettings):
-    """[output], with formats that move; kits have few part numbers: one process is soonest."""
+    """[output]: the files. Kits have few part numbers, so that one process is soonest."""
 
     own_formats: ClassVar[tuple[str, ...]] = (Html.name, Gif.name)
 
@@ -212,9 +228,7 @@ def kit_kinds() -> tuple[str, ...]:
     return tuple(KITS)
 
 
-def load_kit_project(
-    path: str | Path, changes: Mapping[str, Mapping[str, Any]] | None = None
-) -> KitProject:
+def load_kit_project(path: str | Path, changes: Changes | None = None) -> KitProject:
     """The project in a TOML file, validated; `changes` replaces single values, by section.
 
     Raises
@@ -223,14 +237,12 @@ def load_kit_project(
         A file that is missing, no TOML, or has an unknown key or a wrong value; names file, line,
         key, value, limit, and the nearest known key.
     """
-    file = Path(path)
-    values, text = read_toml(file)
-    values = changed(values, changes)
+    values, origin = read_changed(path, changes)
     if "linkage" not in values:
         if nearest("linkage", values):  # misspelt: the message of `sections_in` has its line
-            sections_in(values, KitProject, str(file), text)
-        raise ProjectError('a linkage needs [linkage] kind = "bennett", ...', file=str(file))
-    return _kit_project(values, file, text)
+            sections_in(values, KitProject, origin)
+        raise origin.error('a linkage needs [linkage] kind = "bennett", ...')
+    return _kit_project(values, Path(path), origin)
 
 
 def make_kit_project(sections: Mapping[str, Any]) -> KitProject:
@@ -241,19 +253,16 @@ def make_kit_project(sections: Mapping[str, Any]) -> KitProject:
     ProjectError
         An unknown section or key, or a wrong value.
     """
-    return _kit_project(sections, None, "")
+    return _kit_project(sections, None, Origin())
 
 
-def _kit_project(values: Mapping[str, Any], file: Path | None, text: str) -> KitProject:
-    name = None if file is None else str(file)
-    sections = sections_in(values, KitProject, name, text)
+def _kit_project(values: Mapping[str, Any], file: Path | None, origin: Origin) -> KitProject:
+    sections = sections_in(values, KitProject, origin)
     kind = sections.get("linkage", {}).get("kind", "bennett")
-    if kind not in KITS:
-        line = find_line(text, ("linkage", "kind"))
-        raise ProjectError(
-            unknown(f'[linkage] kind = "{kind}"', str(kind), set(KITS)), file=name, line=line
-        )
+    if not isinstance(kind, str) or kind not in KITS:
+        shown = f"[linkage] kind = {toml_text(kind)}"
+        raise origin.error(unknown(shown, str(kind), set(KITS)), "linkage", "kind")
     try:
         return KITS[kind].model_validate({**sections, "file": file}, strict=None)
     except ValidationError as error:
-        raise explain(error, KITS[kind], name, text) from None
+        raise explain(error, KITS[kind], origin) from None

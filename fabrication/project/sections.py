@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
@@ -24,6 +24,15 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     @classmethod
+    def choices(cls) -> Mapping[str, Sequence[str]]:
+        """Values of the keys that take one of some names, where the type does not say them."""
+        return {}
+
+    def changed(self) -> set[str]:
+        """The keys whose value is not the default: a default that is written changes nothing."""
+        return set(self.model_dump(exclude_defaults=True))
+
+    @classmethod
     def keys(cls) -> set[str]:
         """The keys that a file may have in this section."""
         return set(cls.model_fields)
@@ -43,6 +52,11 @@ class OutputSettings(Section):
 
     own_formats: ClassVar[tuple[str, ...]] = ()
     """Names of formats that the product brings itself."""
+
+    @classmethod
+    def choices(cls) -> Mapping[str, Sequence[str]]:
+        """The names of the formats."""
+        return {"formats": (*names(), *cls.own_formats)}
 
     formats: Annotated[tuple[str, ...], Field(strict=False)] = Field(
         default_factory=lambda: defaults(printed=False)

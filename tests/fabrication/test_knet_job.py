@@ -217,8 +217,10 @@ def test_kinds_of_knets_take_normals_unless_told_otherwise(tmp_path: Path) -> No
     plan = design(path)
     assert plan.support.kind == "normals"
     assert "asymptotic lines" in plan.source.notes[0]
-    with pytest.raises(SupportError, match="no upright torsion-free node axes"):
-        design(path, support={"kind": "auto"})
+    said = design(path, support={"kind": "auto"})  # a default that is written out
+    assert (said.support.kind, said.source.notes) == (plan.support.kind, plan.source.notes)
+    with pytest.raises(SupportError, match="does not fit this net"):
+        design(path, support={"kind": "edge"})
     other = design()
     assert other.support.kind != "normals"
     assert other.source.notes == ()

@@ -1,0 +1,154 @@
+"""Project files: TOML with changes, and where each setting stands, for messages."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, TypeAlias
+
+from ddgfab.errors import ProjectError, clipped
+
+LARGEST_INTEGER: Final = 2**63
+"""TOML's integers have 64 bits."""
+
+Changes: TypeAlias = Mapping[str, Mapping[str, Any]]
+"""Single values that replace those of a file, by section and key."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where settings come from: a file with its text, or none; and the keys changed since."""
+
+    file: str | None = None
+    text: str = ""
+    changed: frozenset[tuple[str, ...]] = frozenset()
+
+    def line(self, *path: str | int) -> int | None:
+        """Line (from 1) of a section or of a key in it; None where the file does not have it."""
+        if not path or path[:2] in self.changed:
+            return None
+        return find_line(self.text, path)
+
+    def error(self, message: str, *path: str | int) -> ProjectError:
+        """An error about a section, or a key in it; names the file only if it stands there."""
+        line = self.line(*path)
+        sections = {section for section, _ in self.changed}
+        whole = len(path) == 1 or line is None
+        if path[:2] in self.changed or (whole and bool(path) and path[0] in sections):
+            return ProjectError(message)  # of the change, or of it with what the file has
+        return ProjectError(message, file=self.file, line=line)
+
+
+def read_changed(path: str | Path, changes: Changes | None) -> tuple[dict[str, Any], Origin]:
+    """The values of a TOML file with changes, and where they come from.
+
+    Raises
+    ------
+    ProjectError
+        As `read_toml`.
+    """
+    values, text = read_toml(Path(path))
+    keys = frozenset((section, key) for section, own in (changes or {}).items() for key in own)
+    return changed(values, changes), Origin(str(path), text, keys)
+
+
+def changed(values: Mapping[str, Any], changes: Changes | None) -> dict[str, Any]:
+    """Sections with single values replaced; what is no section stays, for validation to find."""
+    out = dict(values)
+    for section, keys in (changes or {}).items():
+        own = out.get(section, {})
+        out[section] = merged(own, keys) if isinstance(own, Mapping) else own
+    return out
+
+
+def merged(values: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """A table with values replaced; tables in it are merged too."""
+    out = dict(values)
+    for key, value in changes.items():
+        own = out.get(key)
+        both = isinstance(own, Mapping) and isinstance(value, Mapping)
+        out[key] = merged(own, value) if both else value
+    return out
+
+
+def read_toml(file: Path) -> tuple[dict[str, Any], str]:
+    """The values of a TOML file, and its text.
+
+    Raises
+    ------
+    ProjectError
+        Missing, not UTF-8, or no TOML; names file and line.
+    """
+    try:
+        text = file.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
+        return parse_toml(text), text
+    except OSError as error:
+        raise ProjectError(f"cannot be read: {error.strerror}", file=str(file)) from None
+    except ProjectError as error:
+        raise ProjectError(str(error), file=str(file)) from None
+    except UnicodeDecodeError as error:
+        raise ProjectError(f"is not UTF-8 text (byte {error.start})", file=str(file)) from None
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r"line (\d+)", str(error))
+        line = int(found[1]) if found else text.count("\n") + 1
+        raise ProjectError(f"is not TOML: {error}", file=str(file), line=line) from None
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """The values of TOML.
+
+    Raises
+    ------
+    tomllib.TOMLDecodeError
+        Text that is no TOML.
+    ProjectError
+        Lists in lists without end, or a number of more digits than any computer number has.
+    """
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except RecursionError:
+        raise ProjectError("lists or tables in one another, too deep to be settings") from None
+    except ValueError:  # Python refuses integers of more than 4,300 digits
+        longest = max(re.findall(r"\d+", text), key=len)
+        raise ProjectError(f"{clipped(longest)} has {len(longest)} digits: too many") from None
+    for path, value in _numbers(values):
+        if not -LARGEST_INTEGER <= value < LARGEST_INTEGER:
+            raise ProjectError(f"{path} = {clipped(value)} does not fit into 64 bits")
+    return values
+
+
+def _numbers(values: Any, path: str = "") -> Iterator[tuple[str, int]]:
+    """Every integer below a value, with its keys."""
+    if isinstance(values, Mapping):
+        for key, value in values.items():
+            yield from _numbers(value, f"{path}.{key}" if path else str(key))
+    elif isinstance(values, list):
+        for value in values:
+            yield from _numbers(value, path)
+    elif isinstance(values, int):
+        yield path, values
+
+
+def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
+    """Line (from 1) of a section or of a key in it, or None when the text does not show it."""
+    section = ""
+    place: int | None = None
+    for number, line in enumerate(text.split("\n"), 1):
+        header = re.match(r"\s*\[\s*([\w.-]+)\s*\]", line)
+        if header:
+            section = header[1]
+            if section == path[0]:
+                place = number
+            elif section == ".".join(map(str, path[:2])):
+                return number
+        elif section == path[0] and len(path) > 1:
+            if re.match(rf"\s*[\"']?{re.escape(str(path[1]))}[\"']?\s*=", line):
+                return number
+        elif not section and re.match(rf"\s*{re.escape(str(path[0]))}\s*[=.]", line):
+            return number
+    return place
