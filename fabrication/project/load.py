@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -90,8 +90,22 @@ def _value_problem(
     literals = [str(name) for other in same for name in re.findall(r"'([^']*)'", other["msg"])]
     meant = isinstance(value, str) and nearest(value, literals)
     hint = f"; {suggestion(value, literals)}" if meant else ""
-    place = "".join(f"[{part}]" for part in path[2:] if isinstance(part, int))
+    place = "".join(f".{part}" for part in _table_keys(model, path))
+    place += "".join(f"[{part}]" for part in path[2:] if isinstance(part, int))
     return f"{key}{place} = {show(value)} must be {limit}{hint}"
+
+
+def _table_keys(model: type[BaseModel], path: tuple[str | int, ...]) -> list[str]:
+    """The keys of tables in a section that a path of pydantic goes through."""
+    section: Any = model.model_fields[str(path[0])].annotation
+    inner = section.model_fields[str(path[1])].annotation if len(path) > 2 else None
+    keys = []
+    for part in path[2:]:
+        if get_origin(inner) is not dict:
+            break
+        keys.append(clipped(part))
+        inner = get_args(inner)[1]
+    return keys
 
 
 def _wanted(model: type[BaseModel], problem: Any) -> str:
@@ -103,7 +117,7 @@ def _wanted(model: type[BaseModel], problem: Any) -> str:
         most = problem["ctx"]["max_length"]
         return f"a list of {most} values"
     texts = {
-        "dict_type": "a table such as { angle_deg = 60 }",
+        "dict_type": "a table such as { key = ... }",
         "bool_type": "true or false",
         "string_type": 'text such as "abc"',
         "path_type": 'a path such as "roof.obj"',

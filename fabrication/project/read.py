@@ -69,8 +69,9 @@ def merged(values: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, A
     out = dict(values)
     for key, value in changes.items():
         own = out.get(key)
-        both = isinstance(own, Mapping) and isinstance(value, Mapping)
-        out[key] = merged(own, value) if both else value
+        if isinstance(own, Mapping) and isinstance(value, Mapping):
+            value = merged(own, value)
+        out[key] = value
     return out
 
 
