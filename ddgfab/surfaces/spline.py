@@ -107,6 +107,13 @@ class SplineSurface:
             self.control, self.knots, self.degrees, self.weights, loops, name=self.name
         )
 
+    def moved(self, by: ArrayLike) -> SplineSurface:
+        """The same surface moved by a vector (3,)."""
+        control = self.control + np.asarray(by, dtype=np.float64)
+        return SplineSurface(
+            control, self.knots, self.degrees, self.weights, self.trim.loops, name=self.name
+        )
+
     def clipped(self, uv: Floats) -> Floats:
         """(n, 2) parameters moved into the rectangle."""
         u0, u1, v0, v1 = self.domain

@@ -11,7 +11,7 @@ from fabrication.cli.terminal import output
 
 # Imported for their commands, in the order in which `--help` lists them.
 # isort: off
-from fabrication.cli import make, linkage, init, optimize, trace, look, net  # noqa: F401
+from fabrication.cli import make, linkage, init, optimize, trace, dilemma, look, net  # noqa: F401
 
 # isort: on
 

@@ -1,0 +1,171 @@
+"""`ddgfab dilemma`: the least change of a surface for which drawn edges are principal."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fabrication.cli.common import (
+    FAILED,
+    Debug,
+    Flip,
+    Quads,
+    Reading,
+    Scale,
+    Units,
+    Up,
+    Weld,
+    app,
+    errors,
+)
+
+if TYPE_CHECKING:
+    from ddgfab.mesh import Floats, Mesh
+    from ddgfab.surfaces.spline import SplineSurface
+    from ddgfab.trace.dilemma import Dilemma
+
+
+@app.command("dilemma")
+def dilemma_command(
+    mesh: Annotated[Path, typer.Argument(help="OBJ, OFF, PLY, STL or COMPAS JSON: drawn quads.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="OBJ, OFF or PLY to write.")
+    ] = Path("moved.obj"),
+    wish: Annotated[
+        str,
+        typer.Option(help="principal (planar faces, straight node axes) or planar (faces only)."),
+    ] = "principal",
+    keep: Annotated[
+        float | None,
+        typer.Option(
+            help="Part of the difference of the curvatures to keep, 0 to 1; default: 0.5 where "
+            "edges are more than 25 deg from principal, otherwise what the nearest surface leaves."
+        ),
+    ] = None,
+    nearest: Annotated[
+        bool, typer.Option("--nearest", help="The nearest surface, whatever is left.")
+    ] = False,
+    plan: Annotated[
+        bool, typer.Option("--plan", help="Move heights only (with --wish planar).")
+    ] = False,
+    surface: Annotated[
+        str | None,
+        typer.Option(help="That the net is drawn on: a file or a name, as for ddgfab trace."),
+    ] = None,
+    forecast: Annotated[
+        bool, typer.Option("--forecast", help="Only directions and forecast; write nothing.")
+    ] = False,
+    units: Units = None,
+    scale: Scale = 1.0,
+    up: Up = "z",
+    flip: Flip = False,
+    quads: Quads = False,
+    weld: Weld = None,
+    picture: Annotated[
+        bool, typer.Option(help="Write a picture beside the mesh: angles, movement.")
+    ] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
+    debug: Debug = False,
+) -> None:
+    """How far drawn edges are from principal, and the least change of the surface that makes them.
+
+    Says first how far the edges are from principal and from conjugate directions, and how far the
+    surface will have to move. Then writes the changed mesh where its file had it [mm], and a
+    picture (OUTPUT.png): angles to the principal directions before, movement along the normal
+    after. Exit code 1 where no such net is near.
+    """
+    from ddgfab.errors import OptimizeError
+
+    with errors(debug):
+        from ddgfab.io import check_target
+        from ddgfab.trace.alignment import alignment
+        from ddgfab.trace.dilemma import (
+            dilemma,
+            forecast_dict,
+            forecast_lines,
+            kept_by_default,
+            large,
+            mesh_forecast,
+        )
+
+        if not forecast:
+            check_target(output)
+        read = Reading(units, scale, up, flip, quads, weld).read(mesh)
+        drawn = _surface(surface, read.origin)
+        before = alignment(read.mesh, drawn)
+        kept = keep if keep is not None or nearest or wish == "planar" else kept_by_default(before)
+        expected = mesh_forecast(read.mesh, before, kept)
+        if not as_json:
+            for note in read.notes:
+                typer.echo(f"note: {note}")
+            typer.echo(_text([*before.lines(), *forecast_lines(expected)]))
+        if warning := large(expected, read.mesh):
+            typer.echo(f"warning: {warning}", err=True)
+        if forecast:
+            if as_json:
+                record = {"before": before.to_dict(), "forecast": forecast_dict(expected)}
+                typer.echo(json.dumps(record, indent=1))
+            return
+        try:
+            found = dilemma(
+                read.mesh,
+                wish,  # type: ignore[arg-type] # named where it is unknown
+                keep=keep,
+                nearest=nearest,
+                surface=drawn,
+                plan=plan,
+            )
+        except OptimizeError as error:
+            if debug:
+                raise
+            typer.echo(f"FAILED {error}\n{output} was not written", err=True)
+            raise typer.Exit(FAILED) from None
+        _write(output, found.mesh, read.origin)
+        warning = _draw(output.with_suffix(".png"), found) if picture else ""
+        if as_json:
+            typer.echo(json.dumps(found.to_dict(), indent=1))
+        else:
+            typer.echo(_text(found.change_lines()))
+            typer.echo(f"written to {output} [mm]")
+        if warning:
+            typer.echo(warning, err=True)
+
+
+def _text(rows: list[tuple[str, str]]) -> str:
+    return "\n".join(f"{title:<20}{text}".rstrip() for title, text in rows)
+
+
+def _surface(source: str | None, origin: Floats) -> SplineSurface | None:
+    if source is None:
+        return None
+    from fabrication.surfaces_in.find import find_surface
+
+    return find_surface(source).moved(-origin)
+
+
+def _write(path: Path, mesh: Mesh, origin: Floats) -> None:
+    from ddgfab.io import write_mesh
+
+    write_mesh(path, mesh.with_vertices(mesh.vertices + origin), units="mm")
+
+
+def _draw(path: Path, found: Dilemma) -> str:
+    """Angles before, movement after; a warning where this machine cannot draw."""
+    import numpy as np
+
+    from ddgfab.errors import OutputError
+    from fabrication.pictures.fields import Panel, write_panels
+
+    angles: Any = np.full(found.original.n_faces, np.nan)
+    known = found.before.faces[found.before.determined]
+    angles[known] = np.degrees(found.before.principal[found.before.determined])
+    one = Panel(found.original, angles, "edges from principal [deg]", (0.0, 45.0))
+    two = Panel(found.mesh, found.normal, "moved along the normal [mm]")
+    try:
+        write_panels(path, [one, two])
+    except OutputError as error:
+        return f"no picture: {error}"
+    return ""

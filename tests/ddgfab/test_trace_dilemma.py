@@ -1,0 +1,170 @@
+"""The design dilemma: angles to principal directions, forecast, the nearest surface."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+from surface_cases import graph
+
+from ddgfab.errors import InputError, MeshError
+from ddgfab.grid import grid_mesh
+from ddgfab.measures import circular_defect, planarity_percent
+from ddgfab.mesh import Mesh
+from ddgfab.trace.alignment import alignment
+from ddgfab.trace.dilemma import dilemma, large, mesh_forecast, movement_forecast
+from ddgfab.trace.nearest_net import heights_only
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "surface_dilemma.py"
+SPEC = importlib.util.spec_from_file_location("surface_dilemma", EXAMPLE)
+assert SPEC is not None
+assert SPEC.loader is not None
+MODULE = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(MODULE)
+lattice = MODULE.lattice
+
+
+def paraboloid(turn: float, apart: float, side: float, count: int = 20) -> Mesh:
+    """A plan lattice on z = (k1 x^2 + k2 y^2) / 2 with k = (1 +- apart / 2) / 20."""
+    along = np.linspace(-side, side, count + 1)
+    u, v = np.meshgrid(along, along, indexing="ij")
+    x, y = np.cos(turn) * u - np.sin(turn) * v, np.sin(turn) * u + np.cos(turn) * v
+    z = ((1 + apart / 2) * x**2 + (1 - apart / 2) * y**2) / 40
+    return grid_mesh(np.stack([x, y, z], axis=-1))
+
+
+@pytest.mark.parametrize(("turn", "apart"), [(30, 0.05), (45, 0.2), (12, 0.1)])
+def test_heights_alone_move_as_forecast(turn: float, apart: float) -> None:
+    mesh = paraboloid(np.radians(turn), apart, 10.0)
+    moved = heights_only(mesh, np.array([0, 0, 1.0]))
+    expected = movement_forecast(np.radians(turn), apart / 40, 10.0)
+    gap = moved.vertices - mesh.vertices
+    assert np.abs(gap[:, :2]).max() == 0
+    assert np.abs(gap[:, 2]).max() == pytest.approx(expected.greatest, abs=1e-8)
+    # an m x m grid of vertices has more of its area far out than the plane has
+    rms = np.sqrt(np.mean(gap[:, 2] ** 2))
+    assert rms == pytest.approx(expected.rms * 22 / 20, rel=1e-8)
+    assert planarity_percent(moved).max() < 1e-8
+
+
+def test_forecast_numbers_and_limits() -> None:
+    assert movement_forecast(np.radians(30), 0.05 / 40, 10.0).greatest == pytest.approx(
+        0.1083, abs=5e-5
+    )
+    assert movement_forecast(np.pi / 4, 0.2 / 40, 10.0).greatest == pytest.approx(0.5)
+    worked = movement_forecast(np.radians(30), 0.1 / 50, 10.0)
+    assert (worked.greatest, worked.rms) == pytest.approx((0.1732, 0.0577), abs=5e-5)
+    assert worked.anisotropy == pytest.approx(0.5)
+    # turns fold at 45 deg; nothing to do where edges are principal
+    assert movement_forecast(np.radians(120), 1.0, 1.0).greatest == pytest.approx(
+        movement_forecast(np.radians(30), 1.0, 1.0).greatest
+    )
+    assert movement_forecast(0.0, 1.0, 1.0).greatest == 0
+    assert movement_forecast(0.0, 1.0, 1.0, keep=1.0).greatest == 0
+    with pytest.raises(InputError, match="keep -1"):
+        movement_forecast(0.1, 1.0, 1.0, keep=-1.0)
+
+
+def test_forecast_is_the_greatest_of_its_formula() -> None:
+    """Second route: the movement sampled on the square."""
+    u, v = np.meshgrid(*2 * [np.linspace(-1, 1, 401)], indexing="ij")
+    for turn in (0.1, 0.4, 0.7):
+        for keep in (None, 0.0, 0.5, 1.0, 1.4):
+            a = 0.0 if keep is None else keep - np.cos(2 * turn)
+            w = a * (u**2 - v**2) / 2 + np.sin(2 * turn) * u * v
+            found = movement_forecast(turn, 1.0, 1.0, keep)
+            assert found.greatest == pytest.approx(np.abs(w).max(), rel=1e-4)
+            assert found.rms == pytest.approx(np.sqrt(np.mean(w**2)), rel=1e-2)
+
+
+def test_angles_of_a_drawn_lattice() -> None:
+    found = alignment(lattice(np.radians(30)))
+    assert found.principal_deg is not None
+    assert found.principal_deg[0] == pytest.approx(30, abs=0.05)
+    assert np.degrees(np.median(found.turn)) == pytest.approx(30, abs=0.05)
+    # conjugate: of edges turned by t the bends are k1 cos^2 + k2 sin^2 and (k1 - k2) sin cos
+    high, low = 1.05, 0.95
+    skew = (high - low) * np.sin(np.pi / 3) / 2
+    along = high * np.cos(np.pi / 6) ** 2 + low * np.sin(np.pi / 6) ** 2
+    assert found.conjugate_deg is not None
+    assert found.conjugate_deg[0] == pytest.approx(np.degrees(np.arctan2(skew, along)), abs=0.1)
+    straight = alignment(lattice(0.0)).conjugate_deg
+    assert straight is not None
+    assert straight[2] < 0.05
+
+
+def test_no_angle_where_the_surface_is_nearly_a_sphere() -> None:
+    found = alignment(lattice(np.radians(30), apart=0.05))
+    assert found.principal_deg is None
+    assert "not determined" in found.lines()[0][1]
+    assert found.to_dict()["principal_deg"] is None
+
+
+@pytest.mark.parametrize(
+    ("turn", "greatest", "rms", "left"),
+    [(15, 90, 33.3, 0.044), (30, 152, 57.7, 0.026), (45, 175, 66.7, 0.001)],
+)
+def test_worked_example_of_the_dome(turn: float, greatest: float, rms: float, left: float) -> None:
+    """The lattice here is wider at its corners than that of the table: up to 9 % more movement."""
+    mesh = lattice(np.radians(turn))
+    found = dilemma(mesh, nearest=True)
+    assert 1.0 < found.greatest / greatest < 1.09
+    assert found.rms == pytest.approx(rms, rel=0.05)
+    assert found.after.anisotropy_median == pytest.approx(left, abs=1e-3)
+    assert planarity_percent(found.mesh).max() < 1e-7
+    assert np.degrees(circular_defect(found.mesh)).max() < 1e-6
+    assert found.forecast.greatest == pytest.approx(found.greatest, rel=0.07)
+    if turn < 45:  # where the anisotropy that is left determines them
+        assert np.degrees(np.percentile(found.after.principal, [50, 95])).tolist() < [0.05, 0.2]
+
+
+def test_flat_dome_moves_as_forecast() -> None:
+    found = dilemma(lattice(np.radians(30), radius=100e3), nearest=True)
+    assert found.greatest == pytest.approx(found.forecast.greatest, rel=0.04)
+
+
+@pytest.mark.parametrize("keep", [0.5, 1.0])
+def test_anisotropy_is_kept(keep: float) -> None:
+    found = dilemma(lattice(np.pi / 4), keep=keep)
+    before = found.before.anisotropy_median
+    assert found.after.anisotropy_median == pytest.approx(keep * before, rel=0.03)
+    assert np.degrees(found.after.principal).max() < 0.5
+    assert found.greatest == pytest.approx(found.forecast.greatest, rel=0.05)
+    # half of it by default, where the nearest surface is umbilic
+    assert dilemma(lattice(np.pi / 4)).keep == 0.5
+    assert dilemma(lattice(np.radians(20))).keep is None
+
+
+def test_planar_wish_moves_less_and_stays_skew() -> None:
+    mesh = lattice(np.radians(30))
+    planar, principal = dilemma(mesh, "planar"), dilemma(mesh, nearest=True)
+    assert planarity_percent(planar.mesh).max() < 1e-7
+    assert planar.greatest < principal.greatest
+    assert planar.after.conjugate_deg is not None
+    assert planar.after.conjugate_deg[2] < 0.1
+    assert np.degrees(np.median(planar.after.principal)) > 5
+    plan = dilemma(mesh, "planar", plan=True)
+    assert planarity_percent(plan.mesh).max() < 1e-6
+
+
+def test_far_wishes_are_warned_of() -> None:
+    far = paraboloid(np.pi / 4, 1.6, 10.0)
+    warning = large(mesh_forecast(far, alignment(far), None), far)
+    assert "% of the size (limit 5 %)" in warning
+    near = lattice(0.1)
+    assert not large(mesh_forecast(near, alignment(near), None), near)
+
+
+def test_refusals() -> None:
+    mesh = lattice(0.3)
+    with pytest.raises(InputError, match='wish "conical" is unknown'):
+        dilemma(mesh, "conical")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match='choose wish "planar"'):
+        dilemma(mesh, plan=True)
+    with pytest.raises(InputError, match=r"vertex \d+ lies .* \(limit .*, 1 % of the size\)"):
+        dilemma(mesh, surface=graph(lambda x, y: 0 * x + 0.1 * y**2))
+    triangles = [t for a, b, c, d in mesh.faces for t in ((a, b, c), (a, c, d))]
+    with pytest.raises(MeshError, match="no quads"):
+        alignment(Mesh.build(mesh.vertices, triangles))
