@@ -9,18 +9,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fabrication.cli.common import (
-    FAILED,
     Debug,
     Flip,
     Quads,
+    Quiet,
     Reading,
     Scale,
     Units,
     Up,
+    Verbose,
     Weld,
     app,
-    errors,
 )
+from fabrication.cli.terminal import FAILED, session
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Floats, Mesh
@@ -68,6 +69,8 @@ def dilemma_command(
         bool, typer.Option(help="Write a picture beside the mesh: angles, movement.")
     ] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
     debug: Debug = False,
 ) -> None:
     """How far drawn edges are from principal, and the least change of the surface that makes them.
@@ -79,7 +82,7 @@ def dilemma_command(
     """
     from ddgfab.errors import OptimizeError
 
-    with errors(debug):
+    with session(debug, quiet, verbose) as run:
         from ddgfab.io import check_target
         from ddgfab.trace.alignment import alignment
         from ddgfab.trace.dilemma import (
@@ -100,14 +103,14 @@ def dilemma_command(
         expected = mesh_forecast(read.mesh, before, kept)
         if not as_json:
             for note in read.notes:
-                typer.echo(f"note: {note}")
-            typer.echo(_text([*before.lines(), *forecast_lines(expected)]))
+                run.say(f"note: {note}")
+            run.say(_text([*before.lines(), *forecast_lines(expected)]))
         if warning := large(expected, read.mesh):
-            typer.echo(f"warning: {warning}", err=True)
+            run.fail(f"warning: {warning}")
         if forecast:
             if as_json:
                 record = {"before": before.to_dict(), "forecast": forecast_dict(expected)}
-                typer.echo(json.dumps(record, indent=1))
+                run.result(json.dumps(record, indent=1))
             return
         try:
             found = dilemma(
@@ -121,17 +124,17 @@ def dilemma_command(
         except OptimizeError as error:
             if debug:
                 raise
-            typer.echo(f"FAILED {error}\n{output} was not written", err=True)
+            run.fail(f"FAILED {error}\n{output} was not written")
             raise typer.Exit(FAILED) from None
         _write(output, found.mesh, read.origin)
         warning = _draw(output.with_suffix(".png"), found) if picture else ""
         if as_json:
-            typer.echo(json.dumps(found.to_dict(), indent=1))
+            run.result(json.dumps(found.to_dict(), indent=1))
         else:
-            typer.echo(_text(found.change_lines()))
-            typer.echo(f"written to {output} [mm]")
+            run.say(_text(found.change_lines()))
+            run.result(f"written to {output} [mm]")
         if warning:
-            typer.echo(warning, err=True)
+            run.fail(warning)
 
 
 def _text(rows: list[tuple[str, str]]) -> str:
