@@ -47,6 +47,7 @@ GEOMETRY_ROOMS = [
     "nets",
     "transforms",
     "optimize",
+    "redesign",
     "forms",
     "linkages",
     "__main__",

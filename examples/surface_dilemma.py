@@ -13,8 +13,8 @@ import numpy as np
 from ddgfab.grid import grid_mesh
 from ddgfab.io import write_mesh
 from ddgfab.mesh import Mesh
+from ddgfab.redesign.dilemma import dilemma, forecast_lines, mesh_forecast
 from ddgfab.trace.alignment import alignment
-from ddgfab.trace.dilemma import dilemma, forecast_lines, mesh_forecast
 
 
 def lattice(turn: float, radius: float = 25e3, apart: float = 0.1, side: float = 20e3) -> Mesh:

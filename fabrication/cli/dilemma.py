@@ -25,8 +25,8 @@ from fabrication.cli.terminal import FAILED, session
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Floats, Mesh
+    from ddgfab.redesign.dilemma import Dilemma
     from ddgfab.surfaces.spline import SplineSurface
-    from ddgfab.trace.dilemma import Dilemma
 
 
 @app.command("dilemma")
@@ -84,8 +84,7 @@ def dilemma_command(
 
     with session(debug, quiet, verbose) as run:
         from ddgfab.io import check_target
-        from ddgfab.trace.alignment import alignment
-        from ddgfab.trace.dilemma import (
+        from ddgfab.redesign.dilemma import (
             dilemma,
             forecast_dict,
             forecast_lines,
@@ -93,6 +92,7 @@ def dilemma_command(
             large,
             mesh_forecast,
         )
+        from ddgfab.trace.alignment import alignment
 
         if not forecast:
             check_target(output)

@@ -19,11 +19,11 @@ from ddgfab.errors import DegenerateError, InputError, OptimizeError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import optimize
+from ddgfab.redesign.nearest_net import bent_further, heights_only, nearest_net
 from ddgfab.surfaces.nearest import nearest_points
 from ddgfab.surfaces.principal import principal
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.trace.alignment import Alignment, alignment
-from ddgfab.trace.nearest_net import bent_further, heights_only, nearest_net
 
 Wish: TypeAlias = Literal["principal", "planar"]
 """What drawn edges are to be: principal directions, or conjugate ones (planar faces only)."""

@@ -13,9 +13,9 @@ from ddgfab.errors import InputError, MeshError
 from ddgfab.grid import grid_mesh
 from ddgfab.measures import circular_defect, planarity_percent
 from ddgfab.mesh import Mesh
+from ddgfab.redesign.dilemma import dilemma, large, mesh_forecast, movement_forecast
+from ddgfab.redesign.nearest_net import heights_only
 from ddgfab.trace.alignment import alignment
-from ddgfab.trace.dilemma import dilemma, large, mesh_forecast, movement_forecast
-from ddgfab.trace.nearest_net import heights_only
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "surface_dilemma.py"
 SPEC = importlib.util.spec_from_file_location("surface_dilemma", EXAMPLE)
