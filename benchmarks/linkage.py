@@ -38,7 +38,7 @@ def kit_seconds(words: list[str], folder: Path) -> tuple[float, dict[str, float]
     seconds = time.perf_counter() - begin
     if done.returncode != 0:
         raise SystemExit(done.stderr.decode())
-    steps: dict[str, float] = json.loads((folder / "manifest.json").read_text())["timings_s"]
+    steps: dict[str, float] = json.loads((folder / "timings.json").read_text())
     return seconds, steps
 
 

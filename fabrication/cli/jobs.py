@@ -88,7 +88,7 @@ def _count(number: int, name: str) -> str:
 def _report(run: Session, product: Product, result: JobResult, seconds: float) -> None:
     """What a job made, how long it took, and which files to open."""
     manifest = result.manifest
-    for step, taken in sorted(manifest["timings_s"].items(), key=lambda item: -item[1]):
+    for step, taken in sorted(result.seconds.items(), key=lambda item: -item[1]):
         run.detail(f"time {step}: {taken:.2f} s")
     numbers = len({part["number"] for part in manifest["parts"]})
     checks = manifest["checks"]

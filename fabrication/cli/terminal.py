@@ -19,8 +19,9 @@ from fabrication.cli.steps import Steps
 if TYPE_CHECKING:
     from fabrication.progress import Progress
 
-DONE, FAILED, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
-"""Exit codes: every check passed; a check failed; bad usage or input; a fault of the program."""
+DONE, FAILED, BAD_INPUT, FAULT, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 130, 143
+"""Exit codes: every check passed; a check failed; bad usage or input; a fault of the program; ended
+by Ctrl-C; ended by SIGTERM."""
 
 _REASON: Final = re.compile(r"Invalid value for '?(?P<what>[^']*?)'?: Input should be (?P<how>.*)")
 _PARSING: Final = re.compile(r", unable to parse string as an? \w+$")
@@ -92,7 +93,11 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
     """One clear message and the right exit code; a traceback only with --debug."""
     from ddgfab.errors import DdgError
 
+    ended = INTERRUPTED
+
     def stop(signum: int, frame: object) -> None:
+        nonlocal ended
+        ended = TERMINATED
         raise KeyboardInterrupt
 
     before = signal.signal(signal.SIGTERM, stop)
@@ -107,10 +112,10 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
             raise
         run.fail(f"error: {_limits_text(error) or error}")
         raise typer.Exit(BAD_INPUT) from None
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as interrupt:
         run.stop()
-        run.fail("interrupted: nothing was written")
-        raise typer.Exit(INTERRUPTED) from None
+        run.fail(f"interrupted: {interrupt or 'nothing was written'}")
+        raise typer.Exit(ended) from None
     except BrokenPipeError:  # the reader has what it wanted, as in `ddgfab net --list | head`
         sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
         raise typer.Exit(DONE) from None

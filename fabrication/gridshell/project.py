@@ -394,8 +394,8 @@ class Project(Section):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Every section as plain values, for the manifest."""
-        return self.model_dump(mode="json")
+        """Every section as plain values, for the manifest; without `jobs`, which changes no file."""
+        return self.model_dump(mode="json", exclude={"output": {"jobs"}})
 
     def __repr__(self) -> str:
         source = self.net.file if self.net.file else self.net.kind

@@ -1,4 +1,7 @@
-"""manifest.json: every file and every part; written last, so its presence means complete."""
+"""manifest.json: every file and every part; written last, so its presence means complete.
+
+What differs between two runs of one job is not in it: the seconds of the steps are in timings.json.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +23,10 @@ from fabrication.specs import Check, Family, Placement
 from fabrication.version import package_version
 
 MANIFEST: Final = "manifest.json"
+TIMINGS: Final = "timings.json"
+UNLISTED: Final = frozenset({MANIFEST, TIMINGS})
+"""Files of ours that the manifest does not list."""
+
 FORMAT_VERSION: Final = 1
 GENERATOR: Final = "ddgfab"
 """What marks a manifest, and so a folder, as ours."""
@@ -109,7 +116,6 @@ def build_manifest(
     facts: Mapping[str, Any],
     parts: Sequence[Mapping[str, Any]],
     files: Sequence[Mapping[str, Any]],
-    timings_s: Mapping[str, float],
     extra_checks: Iterable[Check] = (),
     libraries: Iterable[str] = (),
     complete: bool = True,
@@ -139,19 +145,18 @@ def build_manifest(
         "parts": list(parts),
         "files": list(files),
         "versions": library_versions(libraries),
-        "timings_s": {step: round(float(time), 4) for step, time in timings_s.items()},
     }
 
 
 def file_records(folder: Path) -> list[dict[str, Any]]:
     """Path (relative, with slashes), bytes and sha256 of every file below a folder, by path.
 
-    The manifest itself is left out.
+    The manifest itself and the timings are left out.
     """
     records = []
     for path in folder.rglob("*"):
         name = path.relative_to(folder).as_posix()
-        if path.is_file() and name != MANIFEST:
+        if path.is_file() and name not in UNLISTED:
             data = path.read_bytes()
             records.append(
                 {"path": name, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
@@ -181,6 +186,20 @@ def write_manifest(path: Path, manifest: Mapping[str, Any]) -> None:
     text = manifest_text(manifest)
     with atomic_write(path) as file:
         file.write(text.encode("utf-8"))
+
+
+def write_timings(path: Path, seconds: Mapping[str, float]) -> None:
+    """Write the seconds that each step took, the longest first.
+
+    Raises
+    ------
+    OutputError
+        The file cannot be written.
+    """
+    ordered = sorted(seconds.items(), key=lambda item: -item[1])
+    text = json.dumps({step: round(float(time), 4) for step, time in ordered}, indent=1)
+    with atomic_write(path) as file:
+        file.write(f"{text}\n".encode())
 
 
 def manifest_text(manifest: Mapping[str, Any]) -> str:

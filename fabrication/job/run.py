@@ -17,10 +17,12 @@ from fabrication.job.folder import OutputFolder, safe_name
 from fabrication.job.limits import check_limits
 from fabrication.job.manifest import (
     MANIFEST,
+    TIMINGS,
     build_manifest,
     file_records,
     part_records,
     write_manifest,
+    write_timings,
 )
 from fabrication.job.part import PARTS, Made, Shop, make_parts, read_back
 from fabrication.job.pool import Workers, worker_pool
@@ -52,12 +54,14 @@ class JobResult:
     manifest : what manifest.json says
     problems : what failed a check or a limit, a line each
     warnings : what could not be done but is no fault of the structure
+    seconds : what each step took
     """
 
     folder: Path
     manifest: dict[str, Any]
     problems: tuple[str, ...]
     warnings: tuple[str, ...]
+    seconds: dict[str, float]
 
     @property
     def exit_code(self) -> int:
@@ -297,8 +301,9 @@ class _Job:
                 lines += lines_of(found)
         self.tell("manifest", 0, 0)
         manifest = self._manifest(whole.failed, checks, extra, problems)
+        write_timings(self.shop.folder / TIMINGS, self.seconds)
         write_manifest(self.shop.folder / MANIFEST, manifest)
-        return JobResult(self.target, manifest, tuple(lines), tuple(self.warnings))
+        return JobResult(self.target, manifest, tuple(lines), tuple(self.warnings), self.seconds)
 
     def _manifest(
         self,
@@ -314,7 +319,6 @@ class _Job:
             facts=product.facts(),
             parts=part_records(product.families, self.parts, checks),
             files=file_records(self.shop.folder),
-            timings_s=self.seconds,
             extra_checks=extra,
             libraries=(*product.libraries, *self.libraries),
         )

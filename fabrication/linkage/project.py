@@ -178,8 +178,8 @@ class KitProject(Section):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Every section as plain values, for the manifest."""
-        return self.model_dump(mode="json")
+        """Every section as plain values, for the manifest; without `jobs`, which changes no file."""
+        return self.model_dump(mode="json", exclude={"output": {"jobs"}})
 
     def part_settings(self) -> LinkageSettings:
         """The numbers of the parts; raises `InputError` where they contradict each other."""
