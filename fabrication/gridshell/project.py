@@ -394,7 +394,7 @@ class Project(Section):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Every section as plain values, for the manifest; without `jobs`, which changes no file."""
+        """Every section as plain values, for the manifest; without `jobs`."""
         return self.model_dump(mode="json", exclude={"output": {"jobs"}})
 
     def __repr__(self) -> str:

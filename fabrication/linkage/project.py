@@ -178,7 +178,7 @@ class KitProject(Section):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Every section as plain values, for the manifest; without `jobs`, which changes no file."""
+        """Every section as plain values, for the manifest; without `jobs`."""
         return self.model_dump(mode="json", exclude={"output": {"jobs"}})
 
     def part_settings(self) -> LinkageSettings:

@@ -1,4 +1,4 @@
-"""The same job twice: with SOURCE_DATE_EPOCH every byte is equal, whoever makes it, where and how."""
+"""The same job twice: with SOURCE_DATE_EPOCH every byte is equal, whoever makes it, and where."""
 
 from __future__ import annotations
 
