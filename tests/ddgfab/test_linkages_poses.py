@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,7 @@ MECHANISMS = {
     "knet fold": lambda: knet_mechanism(a_net(3, 5), scale_mm=100.0, path="fold"),
     "knet corner": lambda: knet_mechanism(a_net(3, 2), scale_mm=90.0, anchor=(0, 0)),
     "crab": lambda: crab_mechanism(crab_net(6, np.radians(30), np.radians(60), 5), scale_mm=90.0),
+    "crab of three rings": lambda: crab_mechanism(crab_net(6, 0.5, 1.0, 3), scale_mm=90.0),
     "crab wide": lambda: crab_mechanism(crab_net(7, np.radians(110), np.radians(60), 4)),
 }
 
@@ -192,6 +195,10 @@ def test_knet_poses_are_the_flexed_net(anchor: tuple[int, int]) -> None:
     net = a_net(4, 3)
     mechanism = knet_mechanism(net, scale_mm=100.0, anchor=anchor)
     assert congruent(mechanism.pose(mechanism.design), net.points.reshape(-1, 3) * 100.0)
+    hinge, *bars = map(int, re.findall(r"\d+", mechanism.driver))
+    assert hinge == anchor[0] * 4 + anchor[1]
+    ends = [set(mechanism.bars[bar].tolist()) for bar in bars]
+    assert ends == [{hinge, hinge + 4}, {hinge, hinge + 1}]  # one of either line
     if anchor == (0, 0):
         for step in (-0.5, 0.2, 1.0):
             other = flex(net, (0.0, 0.0), step)

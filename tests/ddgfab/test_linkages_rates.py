@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism, models
-from ddgfab.linkages.crab_rates import power
+from ddgfab.linkages.crab_rates import _second, _steepest, power
 from ddgfab.linkages.frames import angular_velocity
 from ddgfab.linkages.models import ORDER, Model, closing, product
 from ddgfab.nets.knet.crab import crab_net
@@ -175,3 +175,37 @@ def test_the_slope_of_an_isogram_is_bounded_on_a_disc(ratio: float, around: floa
     assert (slope <= bound * (1 + 1e-12)).all()
     if around < 0.1:
         assert (bound <= 1.2 * slope).all()
+
+
+def second_ring(gamma: float, delta: float, z: np.ndarray) -> np.ndarray:
+    """y = acos(cos(delta) / M) on the complex plane."""
+    c = np.cos(gamma)
+    m = np.sqrt((1 + c * c) / 2 + (1 - c * c) / 2 * np.cos(2 * z))
+    return np.asarray(np.arccos(np.cos(delta) / m))
+
+
+@pytest.mark.parametrize("half", [0.05, 0.01])
+def test_the_angle_of_the_second_ring_is_enclosed(half: float) -> None:
+    """Values on the disc of the model, and slopes on a disc, against the complex function."""
+    net = crab_net(8, 0.45, 0.9, 4)
+    drive = crab_mechanism(net, scale_mm=1.0).drive
+    gamma, delta = float(drive.gamma), float(drive.delta)
+    ts, count = np.linspace(0.1, 1.1, 7), 7
+    model = _second(drive, ts, np.full(count, half))
+    c = np.cos(gamma)
+    for turn in np.linspace(0, 2 * np.pi, 17):
+        s = 2 * half * np.exp(1j * turn)
+        powers = s ** np.arange(1, ORDER + 1)[:, None]
+        left = np.abs(
+            second_ring(gamma, delta, ts + s)
+            - second_ring(gamma, delta, ts.astype(complex))
+            - (model.terms * powers).sum(axis=0)
+        )
+        assert (left <= model.rest + 1e-14).all()
+    steep = _steepest(ts, np.full(count, half), np.cos(delta), (1 + c * c) / 2, (1 - c * c) / 2)
+    z = ts[:, None] + half * np.exp(1j * np.linspace(0, 2 * np.pi, 49))
+    step = 1e-6
+    found = np.abs(second_ring(gamma, delta, z + step) - second_ring(gamma, delta, z - step))
+    slopes = (found / (2 * step)).max(axis=1)
+    assert (slopes <= steep * (1 + 1e-6)).all()
+    assert (steep <= 2 * slopes).all()
