@@ -11,7 +11,7 @@ import numpy as np
 from ddgfab.measures import dihedral_angles, interior_angles
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
-from ddgfab.optimize.quality import folded_faces, reflex_faces
+from ddgfab.optimize.quality import folded_faces, reflex_faces, zigzag
 from ddgfab.optimize.surface import SmoothSurface
 
 _QUAD: Final = 4
@@ -114,6 +114,20 @@ class Change:
         if not len(inner):
             return 0.0, 0.0
         return float(np.percentile(inner, _PERCENTILE)), float(inner.max())
+
+    @cached_property
+    def zigzags(self) -> tuple[Floats, Floats]:
+        """(E,) before and after: by how much the bend at an edge differs from those beside it."""
+        return zigzag(self.before), zigzag(self.after)
+
+    @property
+    def zigzag(self) -> tuple[float, float]:
+        """Root mean square of `zigzags` over the inner edges, before and after [rad]."""
+        inner = ~self.before.boundary_edge
+        if not inner.any():
+            return 0.0, 0.0
+        before, after = (float(np.sqrt((z[inner] ** 2).mean())) for z in self.zigzags)
+        return before, after
 
     @cached_property
     def corner_angles(self) -> tuple[tuple[float, float], tuple[float, float]]:

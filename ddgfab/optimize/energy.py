@@ -13,20 +13,28 @@ import numpy as np
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.optimize.rim import plan_corners
 from ddgfab.optimize.surface import RimCurve, SmoothSurface
-from ddgfab.optimize.terms.base import VectorTerm
+from ddgfab.optimize.terms.base import LinearTerm, VectorTerm
 from ddgfab.optimize.terms.nearness import NearRim, NearSurface
-from ddgfab.optimize.terms.shape import closeness, edge_differences, fairness
+from ddgfab.optimize.terms.shape import closeness, edge_differences, fair_movement
 
 Keep: TypeAlias = Literal["close", "balanced", "fair"]
 """What a design keeps rather: its surface, or the smoothness of its faces."""
+
+Wish: TypeAlias = VectorTerm | LinearTerm | NearSurface | NearRim
+"""A term of the energy."""
 
 KEEP: Final[dict[Keep, float]] = {"close": 0.2, "balanced": 0.33, "fair": 0.5}
 """Wavelength from which movements along the normal cost distance rather than bending, as part of
 the width of the mesh (the square root of its area)."""
 
-_NEAR, _SLIDE, _STRAIN, _RIM = 1.0, 0.1, 0.1, 1.0
+_NEAR, _SLIDE, _STRAIN, _RIM, _CORNER = 1.0, 0.002, 0.02, 3.0, 1.0
+"""Sliding and shear are cheap: where edges do not follow conjugate directions they have to turn in
+the surface, and what is not allowed to slide leaves the surface or creases instead."""
 _GLIDE: Final = 1e4
+_ALONG: Final = 0.4
+"""Smoothness of the sliding at "balanced"; it grows with the square of the knob."""
 _FAIR_RANGE: Final = 0.05, 10.0
 """Range of the weight of smoothness. Below 0.3 small nets of few faces a wave crease rather than
 flatten, which is what "close" asks for; above 10 fine nets stall."""
@@ -57,7 +65,9 @@ class Weights:
     slide: float = _SLIDE
     strain: float = _STRAIN
     fair: float = 1.0
+    along: float = _ALONG
     rim: float = _RIM
+    corner: float = _CORNER
 
     @staticmethod
     def of(mesh: Mesh, keep: Keep | float = "balanced", *, glide: bool = False) -> Weights:
@@ -66,11 +76,14 @@ class Weights:
         The weight of smoothness is such that waves shorter than `keep` times the width of the mesh
         cost bending and longer ones distance, whatever the size of the faces.
         """
-        width = float(np.sqrt(mesh.face_areas.sum()))
-        fair = (keep_number(keep) * width / (2 * np.pi)) ** 4
-        fair = float(np.clip(fair, *_FAIR_RANGE))
-        strain = _STRAIN * max(1.0, float(np.sqrt(fair)))
-        return Weights(strain=strain, fair=fair, rim=_GLIDE if glide else _RIM)
+        width, knob = float(np.sqrt(mesh.face_areas.sum())), keep_number(keep)
+        fair = float(np.clip((knob * width / (2 * np.pi)) ** 4, *_FAIR_RANGE))
+        return Weights(
+            strain=_STRAIN * max(1.0, float(np.sqrt(fair))),
+            fair=fair,
+            along=_ALONG * (knob / KEEP["balanced"]) ** 2,
+            rim=_GLIDE if glide else _RIM,
+        )
 
 
 def energy(
@@ -78,7 +91,7 @@ def energy(
     weights: Weights,
     surface: SmoothSurface | None = None,
     features: Ints | None = None,
-) -> tuple[VectorTerm | NearSurface | NearRim, ...]:
+) -> tuple[Wish, ...]:
     """Terms of the energy of a mesh whose mean edge is one.
 
     Parameters
@@ -88,7 +101,7 @@ def energy(
     """
     used = np.flatnonzero(mesh.valences > 0)
     rim = np.flatnonzero(mesh.boundary_vertex)
-    terms: list[VectorTerm | NearSurface | NearRim] = [
+    terms: list[Wish] = [
         NearSurface(
             surface=SmoothSurface(mesh) if surface is None else surface,
             vertices=used,
@@ -96,10 +109,14 @@ def energy(
         ),
         closeness(mesh, weight=weights.slide),
         _strain(mesh, weights.strain),
-        fairness(mesh, weight=weights.fair, smoothing=0.0, features=features),
+        *fair_movement(mesh, weights.fair, weights.along, features=features),
     ]
     if len(rim):
         terms.append(NearRim(curve=RimCurve(mesh), vertices=rim, weight=weights.rim))
+        held = np.zeros(mesh.n_vertices)
+        held[plan_corners(mesh)] = 1.0
+        if held.any():
+            terms.append(closeness(mesh, weights=held, weight=weights.corner))
     return tuple(terms)
 
 

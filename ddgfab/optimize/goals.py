@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -78,6 +79,8 @@ def optimize(
     feature_angle: float | None = None,
     max_movement: float | None = None,
     distance_limit: tuple[float, float] | None = None,
+    rise_limit: float = Limits.rise,
+    zigzag_limit: float = Limits.zigzag,
     throw: bool = True,
     progress: StageProgress | None = None,
     **options: Any,
@@ -106,6 +109,9 @@ def optimize(
         Greatest movement of a vertex, in the unit of the mesh.
     distance_limit : (mean, greatest), optional
         Greatest distances between result and surface, both ways, in mean edges: (0.25, 1.0).
+    rise_limit : least part of its rise that the mesh keeps; 0 allows all to go
+    zigzag_limit : by how much more than before bends at edges may differ from those beside them
+        [rad, root mean square]
     throw : raise when the goal is missed; otherwise the best mesh comes back with its status
     progress : called with the name of the stage, the number of the step and the step
     options : what "torsion-free" (``max_lean`` [rad], ``axes_only``) and "families" (``of``,
@@ -127,9 +133,10 @@ def optimize(
     """
     if goal not in get_args(Goal):
         raise InputError(f'goal "{goal}" is unknown; one of {", ".join(get_args(Goal))}')
-    allowed = Limits(movement=max_movement)
+    allowed = Limits(movement=max_movement, rise=rise_limit, zigzag=zigzag_limit)
     if distance_limit is not None:
-        allowed = Limits(*distance_limit, movement=max_movement)
+        mean, most = distance_limit
+        allowed = replace(allowed, distance_mean=mean, distance_max=most)
     features = None
     if feature_angle is not None:
         sharp = np.abs(dihedral_angles(mesh)) > feature_angle

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -24,17 +25,24 @@ class Limits:
     distance_mean, distance_max : between result and surface, in mean edges, of both directions
     movement : of a vertex, in the unit of the mesh; None: no limit
     reflex_quads : how many quads may get a reflex corner
+    rise : least part of its rise that a mesh keeps; it may not grow by more than the inverse
+    zigzag : by how much more than before the bend at an edge may differ from the bends beside it
+        [rad, root mean square]: more is a crumpled mesh
     """
 
     distance_mean: float = 0.25
     distance_max: float = 1.0
     movement: float | None = None
     reflex_quads: int = 0
+    rise: float = 0.8
+    zigzag: float = math.radians(8.0)
 
     def __post_init__(self) -> None:
-        for name in ("distance_mean", "distance_max"):
+        for name in ("distance_mean", "distance_max", "zigzag"):
             if not getattr(self, name) > 0:
                 raise InputError(f"limit {name} = {getattr(self, name):g}: must be positive")
+        if not 0 <= self.rise < 1:
+            raise InputError(f"limit rise = {self.rise:g}: a part of the rise, 0 to 1")
         if self.movement is not None and not self.movement > 0:
             raise InputError(f"max_movement = {self.movement:g}: must be positive")
 
@@ -51,6 +59,7 @@ class Limits:
                     f"{name} distance from the surface {value:.4g} ({value / edge:.2f} mean edges, "
                     f"limit {limit:g}), farthest vertices {named(change.from_surface)}"
                 )
+        out += self._shape(change)
         if self.movement is not None and change.movement.max() > self.movement:
             out.append(
                 f"vertices move by up to {change.movement.max():.4g} (limit {self.movement:.4g}), "
@@ -64,6 +73,26 @@ class Limits:
         if len(change.folded):
             out.append(f"{len(change.folded)} faces fold or collapse: {ids(change.folded)}")
         return tuple(out)
+
+    def _shape(self, change: Change) -> list[str]:
+        """What is wrong with the shape: rise lost or gained, crumpled."""
+        out = []
+        kept = change.rise_kept
+        if kept is not None and not self.rise <= kept <= 1 / max(self.rise, 1e-3):
+            word = "only " if kept < 1 else ""
+            limit = self.rise if kept < 1 else 1 / self.rise
+            out.append(
+                f"{word}{100 * kept:.0f} % of the rise is left (limit {100 * limit:.0f} %)"
+            )
+        before, after = change.zigzag
+        if after > before + self.zigzag:
+            rough = np.degrees(change.zigzags[1] - change.zigzags[0])
+            out.append(
+                f"the mesh is crumpled: bends at edges differ from those beside them by "
+                f"{np.degrees(after):.1f} deg (root mean square; before {np.degrees(before):.1f}, "
+                f"limit {np.degrees(self.zigzag):.2g} more), most at edges {named(rough)}"
+            )
+        return out
 
 
 def named(values: Floats) -> str:

@@ -56,6 +56,30 @@ def roughness(mesh: Mesh) -> float:
     return float(np.sqrt((bends**2).sum(axis=1).mean())) / mean_edge(mesh)
 
 
+def zigzag(mesh: Mesh) -> Floats:
+    """(E,) by how much the bend at an edge differs from the bends beside it [rad].
+
+    Beside an edge lie those opposite to it in its two faces; the bend is the dihedral angle. On a
+    smooth mesh bends change little from edge to edge; where a mesh is crumpled they alternate, or
+    gather in creases between flat parts. 0 at the boundary, and where both faces are triangles.
+    """
+    bends = dihedral_angles(mesh)
+    pairs = [np.zeros((0, 2), dtype=np.int64)]
+    for size in np.unique(mesh.face_sizes[mesh.face_sizes > 3]).tolist():
+        ids = np.flatnonzero(mesh.face_sizes == size)
+        sides = mesh.corner_edge[mesh.face_start[ids, None] + np.arange(size)]
+        around = np.arange(size if size % 2 else size // 2)
+        pairs.append(np.stack([sides[:, around], sides[:, (around + size // 2) % size]], -1))
+    beside = np.concatenate([p.reshape(-1, 2) for p in pairs])
+    inner = ~mesh.boundary_edge
+    beside = beside[inner[beside].all(axis=1)]
+    count = np.bincount(beside.ravel(), minlength=mesh.n_edges)
+    total = np.bincount(beside[:, 0], bends[beside[:, 1]], mesh.n_edges)
+    total += np.bincount(beside[:, 1], bends[beside[:, 0]], mesh.n_edges)
+    differs: Floats = np.where(count > 0, np.abs(bends - total / np.maximum(count, 1)), 0.0)
+    return differs
+
+
 def reflex_faces(mesh: Mesh, vertices: Ints | None = None) -> Ints:
     """Faces with an interior angle above pi, anywhere or at one of the vertices given."""
     reflex = interior_angles(mesh) > np.pi + _STRAIGHT

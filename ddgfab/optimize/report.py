@@ -70,6 +70,7 @@ def change_numbers(change: Change) -> dict[str, Any]:
         "volume_kept": change.volume_kept,
         "crease_deg_p99": float(np.degrees(change.crease[0])),
         "crease_deg_max": float(np.degrees(change.crease[1])),
+        "zigzag_deg": np.degrees(change.zigzag).tolist(),
         "corner_angles_deg_before": before,
         "corner_angles_deg_after": after,
         "edge_ratio": list(change.edge_ratio),
@@ -97,6 +98,8 @@ def change_lines(result: OptimizeResult) -> list[str]:
         "times as long",
         f"creases: dihedral angles change by {np.degrees(change.crease[0]):.1f} deg at most at 99 "
         f"of 100 edges, by {np.degrees(change.crease[1]):.1f} deg at the worst",
+        f"zigzag: bends at edges differ from those beside them by {np.degrees(change.zigzag[1]):.1f} "
+        f"deg (root mean square; before {np.degrees(change.zigzag[0]):.1f})",
     ]
     for label, faces in (
         ("quads with new reflex corners", change.reflex_quads),

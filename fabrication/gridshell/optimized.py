@@ -45,6 +45,8 @@ def optimized_mesh(
         feature_angle=None if angle is None else math.radians(angle),
         max_movement=settings.max_movement_mm,
         distance_limit=settings.distance_limit_edges,
+        rise_limit=settings.rise_limit_percent / 100,
+        zigzag_limit=math.radians(settings.zigzag_limit_deg),
         **_own_options(settings),
         progress=lambda stage, number, step: report(f"optimize: {stage}", number, 0),
     )

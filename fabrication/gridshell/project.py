@@ -167,6 +167,8 @@ OPTIMIZE_OPTIONS: Final[dict[str, tuple[str, ...]]] = {
     "flat_percent": _NETS,
     "keep": _NETS,
     "distance_limit_edges": _NETS,
+    "rise_limit_percent": _NETS,
+    "zigzag_limit_deg": _NETS,
     "axes_only": ("torsion-free",),
     "max_lean_deg": ("torsion-free",),
     "families_of": ("families",),
@@ -188,6 +190,9 @@ class OptimizeSettings(Section):
         0.33, 0.5)
     distance_limit_edges : greatest distance from the surface, mean and greatest, in mean edges;
         more is an error
+    rise_limit_percent : a mesh that keeps less of its rise is an error
+    zigzag_limit_deg : a mesh whose bends differ from edge to edge by so much more than before
+        (root mean square) is crumpled, and an error
     fix : "none", "boundary", or ids of vertices that stay
     boundary : what boundary vertices may do: "free", "glide" along the boundary, "fixed"
     feature_angle_deg : edges sharper than this are features, which need not stay smooth
@@ -202,6 +207,8 @@ class OptimizeSettings(Section):
     flat_percent: Annotated[float, Field(ge=0, le=100)] | None = None
     keep: Keep | Positive = "balanced"
     distance_limit_edges: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.25, 1.0)
+    rise_limit_percent: Annotated[float, Field(ge=0, lt=100)] = 80.0
+    zigzag_limit_deg: Annotated[float, Field(gt=0, le=180)] = 8.0
     fix: Literal["none", "boundary"] | VertexIds = "none"
     boundary: Boundary = "free"
     feature_angle_deg: Degrees | None = None

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array, csr_array, diags_array, vstack
 from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
-from ddgfab.optimize.terms.base import VectorTerm
+from ddgfab.optimize.terms.base import LinearTerm, VectorTerm
 
 
 @checked
@@ -64,12 +64,20 @@ def second_differences(mesh: Mesh, features: Ints | None = None) -> csr_array:
     ----------
     features : ids of edges; polylines may turn where they meet one, not where they run along it
     """
+    return _differences(_triples(mesh, features), mesh.n_vertices)
+
+
+def _triples(mesh: Mesh, features: Ints | None) -> Ints:
     triples = polyline_triples(mesh)
     if features is not None and len(features):
         triples = triples[_smooth_triples(mesh, triples, features)]
+    return triples
+
+
+def _differences(triples: Ints, columns: int) -> csr_array:
     rows = np.repeat(np.arange(len(triples)), 3)
     data = np.tile([1.0, -2.0, 1.0], len(triples))
-    return csr_array((data, (rows, triples.ravel())), shape=(len(triples), mesh.n_vertices))
+    return csr_array((data, (rows, triples.ravel())), shape=(len(triples), columns))
 
 
 def _smooth_triples(mesh: Mesh, triples: Ints, features: Ints) -> NDArray[np.bool_]:
@@ -113,13 +121,54 @@ def fairness(
 
     Source: Liu, Pottmann, Wallner, Yang, Wang 2006, section 3.
     """
-    lines = second_differences(mesh, features)
+    return _fair(mesh, _bends(mesh, features)[0], "fairness", weight, smoothing)
+
+
+def _bends(mesh: Mesh, features: Ints | None) -> tuple[csr_array, Ints]:
+    """Rows of `fairness`, and (m,) the vertices in their middle."""
+    triples = _triples(mesh, features)
     odd = ~mesh.boundary_vertex & (mesh.valences % 2 == 1)
     if features is not None:
         odd[mesh.edges[np.asarray(features, dtype=np.int64)].ravel()] = False
-    if odd.any():
-        lines = csr_array(vstack([lines, laplacian(mesh)[np.flatnonzero(odd)]], format="csr"))
-    return _fair(mesh, lines, "fairness", weight, smoothing)
+    ends = np.flatnonzero(odd)
+    lines = _differences(triples, mesh.n_vertices)
+    rows = csr_array(vstack([lines, laplacian(mesh)[ends]], format="csr")) if len(ends) else lines
+    return rows, np.concatenate([triples[:, 1], ends])
+
+
+@checked
+def fair_movement(
+    mesh: Mesh, across: float, along: float, *, features: Ints | None = None
+) -> tuple[VectorTerm | LinearTerm, ...]:
+    """The movement without bends: the rows of `fairness` with smoothing 0, split at the surface.
+
+    Parameters
+    ----------
+    across : weight of bends of the movement along the vertex normals, which bend the surface
+    along : weight of its bends along the surface, which only turn edges in it; not above `across`
+    features : as in `fairness`
+    """
+    rows, middle = _bends(mesh, features)
+    along = min(along, across)
+    terms: list[VectorTerm | LinearTerm] = [_fair(mesh, rows, "fairness", along, 0.0)]
+    if across > along:
+        cells = coo_array(rows)
+        normals = mesh.vertex_normals[middle]
+        data = cells.data[:, None] * normals[cells.row] / mean_edge(mesh)
+        columns = 3 * cells.col[:, None] + np.arange(3)
+        matrix = csr_array(
+            (data.ravel(), (np.repeat(cells.row, 3), columns.ravel())),
+            shape=(rows.shape[0], 3 * mesh.n_vertices),
+        )
+        terms.append(
+            LinearTerm(
+                name="fairness across",
+                matrix=matrix,
+                target=np.asarray(matrix @ mesh.vertices.ravel()),
+                weight=across - along,
+            )
+        )
+    return tuple(terms)
 
 
 @checked
