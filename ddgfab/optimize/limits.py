@@ -48,7 +48,14 @@ class Limits:
 
     def exceeded(self, change: Change) -> tuple[str, ...]:
         """One sentence for each limit that a result exceeds."""
-        out = []
+        return tuple(text for _, text in self._found(change))
+
+    def kinds(self, change: Change) -> frozenset[str]:
+        """Which limits a result exceeds: "distance", "rise", "zigzag", "movement", ..."""
+        return frozenset(kind for kind, _ in self._found(change))
+
+    def _found(self, change: Change) -> list[tuple[str, str]]:
+        out: list[tuple[str, str]] = []
         edge = change.edge
         for name, value, limit in (
             ("mean", change.distance_mean, self.distance_mean),
@@ -56,25 +63,36 @@ class Limits:
         ):
             if value > limit * edge:
                 out.append(
-                    f"{name} distance from the surface {value:.4g} ({value / edge:.2f} mean edges, "
-                    f"limit {limit:g}), farthest vertices {named(change.from_surface)}"
+                    (
+                        "distance",
+                        f"{name} distance from the surface {value:.4g} ({value / edge:.2f} mean "
+                        f"edges, limit {limit:g}), farthest vertices {named(change.from_surface)}",
+                    )
                 )
         out += self._shape(change)
         if self.movement is not None and change.movement.max() > self.movement:
             out.append(
-                f"vertices move by up to {change.movement.max():.4g} (limit {self.movement:.4g}), "
-                f"most at vertices {named(change.movement)}"
+                (
+                    "movement",
+                    f"vertices move by up to {change.movement.max():.4g} (limit "
+                    f"{self.movement:.4g}), most at vertices {named(change.movement)}",
+                )
             )
         if len(change.reflex_quads) > self.reflex_quads:
             out.append(
-                f"{len(change.reflex_quads)} quads have a reflex corner that had none: faces "
-                f"{ids(change.reflex_quads)}"
+                (
+                    "reflex",
+                    f"{len(change.reflex_quads)} quads have a reflex corner that had none: faces "
+                    f"{ids(change.reflex_quads)}",
+                )
             )
         if len(change.folded):
-            out.append(f"{len(change.folded)} faces fold or collapse: {ids(change.folded)}")
-        return tuple(out)
+            out.append(
+                ("folded", f"{len(change.folded)} faces fold or collapse: {ids(change.folded)}")
+            )
+        return out
 
-    def _shape(self, change: Change) -> list[str]:
+    def _shape(self, change: Change) -> list[tuple[str, str]]:
         """What is wrong with the shape: rise lost or gained, crumpled."""
         out = []
         kept = change.rise_kept
@@ -82,15 +100,22 @@ class Limits:
             word = "only " if kept < 1 else ""
             limit = self.rise if kept < 1 else 1 / self.rise
             out.append(
-                f"{word}{100 * kept:.0f} % of the rise is left (limit {100 * limit:.0f} %)"
+                (
+                    "rise",
+                    f"{word}{100 * kept:.0f} % of the rise is left (limit {100 * limit:.0f} %)",
+                )
             )
         before, after = change.zigzag
         if after > before + self.zigzag:
             rough = np.degrees(change.zigzags[1] - change.zigzags[0])
             out.append(
-                f"the mesh is crumpled: bends at edges differ from those beside them by "
-                f"{np.degrees(after):.1f} deg (root mean square; before {np.degrees(before):.1f}, "
-                f"limit {np.degrees(self.zigzag):.2g} more), most at edges {named(rough)}"
+                (
+                    "zigzag",
+                    f"the mesh is crumpled: bends at edges differ from those beside them by "
+                    f"{np.degrees(after):.1f} deg (root mean square; before "
+                    f"{np.degrees(before):.1f}, limit {np.degrees(self.zigzag):.2g} more), "
+                    f"most at edges {named(rough)}",
+                )
             )
         return out
 

@@ -12,6 +12,7 @@ from ddgfab.errors import DegenerateError, InputError, OptimizeError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.barriers import barriers
+from ddgfab.optimize.directions import TRACE, TRACE_REASON, other_way
 from ddgfab.optimize.energy import Keep, Weights, energy
 from ddgfab.optimize.forecast import forecast_of, forecast_text
 from ddgfab.optimize.frame import Frame, element_ids
@@ -300,6 +301,8 @@ def _advice(
     if not met:
         best = min((p.percent for p in result.prices), default=0.0)
         return (("flat", float(f"{1.1 * best:.2g}")),) if best else ()
+    if way := other_way(result, keep, limits):
+        return way
     if keep != "close" and not (isinstance(keep, float | int) and keep <= 0.2):
         return (("keep", "close"),)
     small = Frame.of(result.original).inside(result.original)
@@ -336,7 +339,7 @@ def _remarks(result: OptimizeResult) -> tuple[str, ...]:
     if percentile > _CREASED_DEG:
         out.append(
             f"creases: one edge in a hundred bends {percentile:.0f} deg more or less than before; "
-            'keep = "fair" makes smoother faces, farther from the surface'
+            "look at the picture"
         )
     if result.forecast is not None and result.forecast.stretch > _STRETCHED:
         out.append(forecast_text(result.forecast, "mm").removeprefix("planar faces: "))
@@ -373,8 +376,13 @@ def advice_text(advice: tuple[tuple[str, object], ...]) -> str:
     reason = {
         "boundary": "the fixed boundary holds it back",
         "flat": "ask for less flat faces",
-        "keep": "keep the surface rather than smooth faces",
+        "keep": "keep faces smooth rather than the surface"
+        if value == "fair"
+        else "keep the surface rather than smooth faces",
+        TRACE: TRACE_REASON,
         "distance_limit": "let the edges follow other directions, use a finer mesh, or allow it",
     }.get(name, "try")
+    if name == TRACE:
+        return f"{reason}, spacing = {value:g}"
     shown = f'"{value}"' if isinstance(value, str) else value
     return f"{reason}: {name} = {shown}"

@@ -68,8 +68,10 @@ _HEAVIER, _HEAVY, _HEAVIEST = 30.0, 1e-3, 6
 """After a step that failed: damping times this, at least this, this often."""
 _SHORTER, _SHORTENINGS, _ARMIJO = 0.4, 7, 1e-4
 """Line search: factor of the length, how often, part of the promised decrease that is enough."""
-_FALL, _SHORT = 0.05, 1e-3
-"""A stage ends when the merit falls by a smaller part in a step, or a step is shorter."""
+_FALL, _LONG, _SHORT = 0.05, 0.05, 1e-3
+"""A stage ends when the merit falls by a smaller part in a step that is not long, or a step is very
+short. Long steps that hardly pay are the way round a bend of the equations: a heavier penalty would
+end there."""
 _COARSE = 1e-3
 """Violation from which on the last digits are left to the polish."""
 _STIFF = 1e9
@@ -158,7 +160,7 @@ class _Walker:
             if longest == 0.0:
                 break
             taken += 1
-            if fall < _FALL or longest < _SHORT:
+            if longest < _SHORT or (fall < _FALL and longest < _LONG):
                 break
         return taken
 

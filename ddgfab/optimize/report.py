@@ -90,6 +90,7 @@ def change_lines(result: OptimizeResult) -> list[str]:
         if value is not None
     )
     low, high = change.edge_ratio
+    zigzag = np.degrees(change.zigzag)
     lines = [
         f"distance from the surface, both ways: mean {change.distance_mean:.4g} {unit} "
         f"({change.distance_mean / edge:.3f} mean edges), greatest {change.distance_max:.4g} "
@@ -98,8 +99,8 @@ def change_lines(result: OptimizeResult) -> list[str]:
         "times as long",
         f"creases: dihedral angles change by {np.degrees(change.crease[0]):.1f} deg at most at 99 "
         f"of 100 edges, by {np.degrees(change.crease[1]):.1f} deg at the worst",
-        f"zigzag: bends at edges differ from those beside them by {np.degrees(change.zigzag[1]):.1f} "
-        f"deg (root mean square; before {np.degrees(change.zigzag[0]):.1f})",
+        "zigzag: bends at edges differ from those beside them by "
+        f"{zigzag[1]:.1f} deg (root mean square; before {zigzag[0]:.1f})",
     ]
     for label, faces in (
         ("quads with new reflex corners", change.reflex_quads),

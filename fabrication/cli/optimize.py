@@ -188,6 +188,7 @@ def _write_missed(
 ) -> None:
     """Print what failed and what to try, and write the best mesh reached beside the target."""
     from ddgfab.optimize import OptimizeResult
+    from ddgfab.optimize.directions import TRACE
 
     run.fail(f"FAILED {error}")
     if not isinstance(error.result, OptimizeResult):  # refused before solving
@@ -197,6 +198,10 @@ def _write_missed(
     _write(best, error.result.mesh, origin)
     run.fail(f"the best mesh reached: {best} [mm]; {target} was not written")
     if error.result.advice:
+        name, value = error.result.advice[0]
+        if name == TRACE:
+            run.fail(f"next: {command.traced(value)}")
+            return
         changed = {_KEYS.get(name, name): value for name, value in error.result.advice}
         run.fail(f"next: {command.text(changed)}")
 
@@ -224,8 +229,16 @@ class _Command:
         self.begin = ["ddgfab", "optimize", str(source)]
         if output is not None:
             self.begin += ["-o", str(output)]
+        self.source = source
+        self.placed = Reading(reading.units, reading.scale).arguments()
         self.begin += reading.arguments()
         self.settings = settings
+
+    def traced(self, spacing: object) -> str:
+        """The command that traces another net on the surface of the mesh."""
+        net = f"{_stem(self.source)}-net.obj"
+        words = ["ddgfab", "trace", str(self.source), "-o", net, "--spacing", f"{spacing:g}"]
+        return shlex.join(words + self.placed)
 
     def text(self, changed: dict[str, Any]) -> str:
         """It with these settings changed."""

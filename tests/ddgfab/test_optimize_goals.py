@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,19 +26,23 @@ from ddgfab.optimize import (
     mean_edge,
     optimize,
 )
+from ddgfab.optimize.directions import TRACE
 from ddgfab.optimize.report import comparison, comparison_text
 
 FLAT = 0.2
 """Default planarity [%]."""
 
-CASES: dict[str, tuple[Callable[[], Mesh], float, float]] = {
-    "wavy": (lambda: wavy(16), 0.25, 0.7),
-    "dome": (lambda: dome(16), 0.15, 0.85),
-    "torus": (lambda: torus(24, 0.2), 0.06, 0.95),
-    "bowl of hexagons": (lambda: hexagons(9), 0.2, 0.9),
-    "saddle of hexagons": (lambda: hexagons(9, (0.05, -0.05)), 0.2, 0.85),
+ANY_ZIGZAG = {"zigzag_limit": np.pi}
+"""For what is said of meshes that are crumpled: 180 deg."""
+
+CASES: dict[str, tuple[Callable[[], Mesh], float, float, dict[str, Any]]] = {
+    "wavy": (lambda: wavy(16), 0.14, 0.8, ANY_ZIGZAG),
+    "dome": (lambda: dome(16), 0.03, 0.95, {}),
+    "torus": (lambda: torus(24, 0.2), 0.04, 0.98, {}),
+    "bowl of hexagons": (lambda: hexagons(9), 0.02, 0.97, {}),
+    "saddle of hexagons": (lambda: hexagons(9, (0.05, -0.05)), 0.15, 0.9, ANY_ZIGZAG),
 }
-"""Mesh, greatest mean distance [mean edges], least rise kept."""
+"""Mesh, greatest mean distance [mean edges], least rise kept, limits."""
 
 
 def check(result: OptimizeResult, before: Mesh) -> None:
@@ -52,10 +57,10 @@ def check(result: OptimizeResult, before: Mesh) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_planar_faces_near_the_surface(name: str) -> None:
-    build, far, rise = CASES[name]
+    build, far, rise, limits = CASES[name]
     mesh = build()
     assert planarity_percent(mesh).max() > 2 * FLAT
-    result = optimize(mesh)
+    result = optimize(mesh, **limits)
     check(result, mesh)
     assert planarity_percent(result.mesh).max() <= FLAT
     assert result.change.distance_mean < far * mean_edge(mesh)
@@ -66,8 +71,9 @@ def test_planar_faces_near_the_surface(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["dome", "saddle of hexagons"])
 def test_exact_on_demand_costs_little_more(name: str) -> None:
-    mesh = CASES[name][0]()
-    coarse, exact = optimize(mesh), optimize(mesh, flat=0)
+    build, _, _, limits = CASES[name]
+    mesh = build()
+    coarse, exact = optimize(mesh, **limits), optimize(mesh, flat=0, **limits)
     check(exact, mesh)
     assert planarity_percent(exact.mesh).max() < 1e-8
     edge = mean_edge(mesh)
@@ -97,7 +103,7 @@ def test_planar_meshes_are_left_alone() -> None:
     triangles = Mesh.build(np.eye(3), [[0, 1, 2]])
     assert optimize(triangles).mesh is triangles
     for goal in ("planar", "circular"):
-        found = optimize(dome(8), goal).mesh
+        found = optimize(dome(8), goal, keep="fair").mesh
         again = optimize(found, goal)
         assert again.mesh is found
         assert again.history == ()
@@ -163,7 +169,7 @@ def test_order_of_faces_corners_and_vertices_does_not_matter() -> None:
 def test_mean_distance_is_the_same_where_creases_may_form_elsewhere() -> None:
     """On symmetric meshes rounding chooses the side of a crease; this one has no symmetry."""
     mesh = wavy(20)
-    options = {"distance_limit": (1.0, 3.0)}
+    options: dict[str, Any] = {"distance_limit": (1.0, 3.0), **ANY_ZIGZAG}
     one = optimize(mesh, **options)
     turned = optimize(mesh.with_vertices(mesh.vertices @ rotation().T), **options)
     assert turned.change.distance_mean == pytest.approx(one.change.distance_mean, rel=0.02)
@@ -256,9 +262,8 @@ def test_beyond_the_limits_the_goal_is_missed_and_the_next_option_named() -> Non
         optimize(mesh, max_movement=0.01 * wide.movement_max)
 
 
-def test_the_advice_helps() -> None:
-    """Follow what a refusal names until it holds."""
-    mesh = roof(20, 12)
+def followed(mesh: Mesh) -> tuple[OptimizeResult, dict[str, object]]:
+    """What comes of a mesh when all advice is followed, and that advice."""
     options: dict[str, object] = {}
     for _ in range(5):
         result = optimize(mesh, throw=False, **options)  # type: ignore[arg-type]
@@ -266,31 +271,41 @@ def test_the_advice_helps() -> None:
             break
         assert result.advice
         options |= dict(result.advice)
+        if TRACE in options:
+            break
+    return result, options
+
+
+def test_the_advice_helps() -> None:
+    """A sheet that crumples when kept close stays smooth when asked to."""
+    result, options = followed(wavy(16))
     assert result.status == "converged"
-    assert options
+    assert options == {"keep": "fair"}
+
+
+def test_where_only_another_net_helps_a_trace_is_advised() -> None:
+    """20 x 12 cells over high waves: smooth faces flatten it, keeping the surface crumples it."""
+    mesh = roof(20, 12)
+    with pytest.raises(OptimizeError, match="% of the rise is left"):
+        optimize(mesh, keep="fair")
+    with pytest.raises(OptimizeError, match="crumpled: bends at edges") as caught:
+        optimize(mesh, keep="close")
+    assert "do not follow conjugate directions" in str(caught.value)
+    result, options = followed(mesh)
+    assert result.status == "missed"
+    assert options[TRACE] == pytest.approx(mean_edge(mesh), rel=0.01)
 
 
 def test_after_close_an_even_closer_number_is_advised() -> None:
     """A dome whose conical net is far off: what is named next is nearer."""
     mesh = dome(24)
-    far = [0.01, 0.02]
+    far = [0.001, 0.002]
     limits = {"distance_limit": (far[0], far[1]), "throw": False}
     first = optimize(mesh, "conical", keep="close", **limits)  # type: ignore[arg-type]
     assert first.advice == (("keep", 0.1),)
     second = optimize(mesh, "conical", keep=0.1, **limits)  # type: ignore[arg-type]
     assert second.change.distance_mean < first.change.distance_mean
     assert second.advice != first.advice
-
-
-def test_few_faces_a_wave_keep_their_waves_when_asked_to() -> None:
-    """20 x 12 cells over two waves: "close" stays within the limits where the default does not."""
-    mesh = roof(20, 12, rise=0.8)
-    plain = optimize(mesh, distance_limit=(1.0, 3.0))
-    close = optimize(mesh, keep="close")
-    check(close, mesh)
-    assert close.change.distance_mean < 0.5 * plain.change.distance_mean
-    assert close.change.rise_kept is not None
-    assert close.change.rise_kept > 0.7
 
 
 def test_prices_fall_and_end_at_the_goal() -> None:
@@ -307,7 +322,7 @@ def test_the_forecast_is_right_within_a_factor(name: str) -> None:
     mesh = CASES[name][0]()
     told = expected(mesh)
     assert told is not None
-    result = optimize(mesh, distance_limit=(1.0, 3.0))
+    result = optimize(mesh, **ANY_ZIGZAG)
     found = float(result.change.from_surface.mean())
     assert 0.5 < told.distance_mean / found < 2
     assert told == replace(told, distance_mean=result.forecast.distance_mean)  # type: ignore[union-attr]
@@ -334,26 +349,25 @@ def test_no_crooked_hexagon_passes_for_circular() -> None:
 
 # --- meshes made by others -----------------------------------------------------------------------
 REACHED = {
-    "heart": (0.134, 0.96),
-    "botanic_garden_bubble": (0.030, 1.01),
-    "chebyshev_sphere": (0.054, 0.94),
-    "helical_minimal": (0.244, 1.06),
-    "knet1": (0.276, 0.90),
+    "heart": 0.134,
+    "botanic_garden_bubble": 0.030,
+    "chebyshev_sphere": 0.054,
+    "helical_minimal": 0.244,
+    "knet1": 0.276,
 }
-"""Mean distance both ways [mean edges] and rise kept by a prototype at 0.2 %."""
+"""Mean distance both ways [mean edges] of a prototype at 0.2 %."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", REACHED)
 def test_meshes_made_by_others(mesh_file: Callable[[str], Path], name: str) -> None:
     mesh = read_mesh(mesh_file(f"{name}.obj")).mesh
-    result = optimize(mesh, distance_limit=(0.5, 2.0))
+    result = optimize(mesh, zigzag_limit=np.radians(15))
     check(result, mesh)
-    far, rise = REACHED[name]
-    assert result.change.distance_mean < 1.2 * far * mean_edge(mesh)
+    assert result.change.distance_mean < 0.8 * REACHED[name] * mean_edge(mesh)
     kept = result.change.rise_kept
     assert kept is not None
-    assert abs(kept - rise) < 0.1
+    assert 0.95 < kept < 1.06
     assert interior_angles(result.mesh).max() < np.pi
     assert not len(folded_faces(result.mesh, mesh))
 

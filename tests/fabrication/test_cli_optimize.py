@@ -14,6 +14,7 @@ from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh, write_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
+from ddgfab.optimize import Change
 from fabrication import design
 from fabrication.cli import app
 from fabrication.cli.common import Reading
@@ -22,9 +23,10 @@ EDGE_MM = 1000.0
 
 
 def skew(cells: int = 8, bend: float = 0.08) -> Mesh:
-    """A skew roof: edges across the principal directions, so that no quad is flat."""
+    """A skew dome: edges across the principal directions, so that no quad is flat."""
     u, v = np.meshgrid(np.arange(cells + 1.0), np.arange(cells + 1.0), indexing="ij")
-    return grid_mesh(EDGE_MM * np.stack([u, v, bend * u * v + 0.3 * np.sin(u)], axis=-1))
+    z = bend * (0.6 * u * v - 0.5 * u**2 - 0.4 * v**2)
+    return grid_mesh(EDGE_MM * np.stack([u, v, z], axis=-1))
 
 
 @pytest.fixture
@@ -79,16 +81,16 @@ def test_missed_goals_keep_the_best_mesh_apart_and_name_the_next_command(
 ) -> None:
     target = tmp_path / "flat.obj"
     code, said = run(
-        "optimize", roof, "-o", target, "--set", "optimize.distance_limit_edges=[0.01, 1.0]"
+        "optimize", roof, "-o", target, "--set", "optimize.distance_limit_edges=[0.001, 1.0]"
     )
     assert code == 1
-    assert "limit 0.01" in said
+    assert "limit 0.001" in said
     assert not target.exists()
     assert not (tmp_path / "flat.json").exists()
     assert planarity_percent(read_mesh(tmp_path / "flat.missed.obj").mesh).max() <= 0.2
     (line,) = [line for line in said.splitlines() if line.startswith("next: ")]
     assert "--keep close" in line
-    assert "--set 'optimize.distance_limit_edges=[0.01, 1]'" in line
+    assert "--set 'optimize.distance_limit_edges=[0.001, 1]'" in line
     for _ in range(4):  # what is named helps, in the end
         words = shlex.split(line.removeprefix("next: ddgfab "))
         code, said = run(*words, "--no-picture")
@@ -111,8 +113,13 @@ def test_another_surface(roof: Path, tmp_path: Path) -> None:
     write_mesh(other, mesh.with_vertices(mesh.vertices + np.array([0, 0, 100])))
     code, said = run("optimize", roof, "-o", tmp_path / "a.obj", "--surface", other, "--no-picture")
     assert code == 0, said
-    raised = read_mesh(tmp_path / "a.obj").mesh.vertices[:, 2] - mesh.vertices[:, 2]
-    assert 30 < raised.mean() < 110
+    code, said = run("optimize", roof, "-o", tmp_path / "b.obj", "--no-picture")
+    assert code == 0, said
+    near, own = (json.loads((tmp_path / f"{name}.json").read_text()) for name in "ab")
+    apart = Change(read_mesh(other).mesh, read_mesh(tmp_path / "b.obj").mesh, read_mesh(other).mesh)
+    assert apart.distance_mean > 50
+    assert near["design"]["distance_mean"] < 0.5 * apart.distance_mean
+    assert own["design"]["distance_mean"] < 50
 
 
 def test_impossible_boundary_names_faces(tmp_path: Path) -> None:
