@@ -63,13 +63,13 @@ def test_open_inside_out_and_crossing_stls_are_found(tmp_path: Path) -> None:
     )
     write_stl(path, both)
     report = inspect_file(path)
-    assert "go through each other" in report.problems[0]
+    assert "shells 1 and 2 intersect" in report.problems[0]
     assert not report.passed
 
 
 def test_3mf_units_names_and_instances(tmp_path: Path) -> None:
-    item = '<item objectid="1"/>'
-    report = inspect_file(threemf(tmp_path / "a.3mf", item + item))
+    items = [f'<item objectid="1" transform="1 0 0 0 1 0 0 0 1 {x} 0 0"/>' for x in (0, 200)]
+    report = inspect_file(threemf(tmp_path / "a.3mf", "".join(items)))
     (body,) = report.bodies
     assert report.passed
     assert (body.name, body.instances, report.unit) == ("pin", 2, "centimeter")

@@ -81,13 +81,13 @@ class Glb(Format):
         ]
 
     def inspect(self, path: Path) -> FileReport:
-        """Its meshes, corners of equal coordinates welded; placements as rigid motions."""
+        """Its meshes, corners of equal coordinates welded, and what they share where they stand."""
         content = read_glb(path)
-        meshes = [
-            (name, sum(piece.mesh is mesh for piece in content.pieces), mesh)
-            for name, mesh in content.meshes
-        ]
-        return mesh_report(path, "GLB", "meter", meshes)
+        place = {id(mesh): k for k, (_, mesh) in enumerate(content.meshes)}
+        standing = [(place[id(p.mesh)], p.name, p.placement) for p in content.pieces]
+        used = [k for k, _, _ in standing]
+        meshes = [(name, used.count(k), mesh) for k, (name, mesh) in enumerate(content.meshes)]
+        return mesh_report(path, "GLB", "meter", meshes, standing)
 
 
 FORMAT: Final = Glb()

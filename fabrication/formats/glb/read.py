@@ -120,10 +120,14 @@ def _walk(
 
 
 def _motion(node: dict[str, Any]) -> Placement:
-    """A node's own placement in our axes and millimeters."""
-    if any(key in node for key in ("rotation", "scale", "translation")):
-        raise ValueError("only nodes placed by a matrix are read")
+    """A node's own placement in our axes and millimeters (glTF 2.0, 3.5.2)."""
     own = np.array(node.get("matrix", np.eye(4).T.ravel()), dtype=np.float64).reshape(4, 4).T
+    if "matrix" not in node:
+        x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), dtype=np.float64)
+        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        turn = np.eye(3) + 2 * w * cross + 2 * cross @ cross
+        own[:3, :3] = turn * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)
+        own[:3, 3] = node.get("translation", (0, 0, 0))
     motion = np.eye(4)
     motion[:3, :3] = _Z_UP @ own[:3, :3] @ _Z_UP.T
     motion[:3, 3] = _Z_UP @ own[:3, 3] * _MILLIMETERS

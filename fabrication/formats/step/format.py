@@ -8,9 +8,10 @@ from typing import Final, cast, get_args
 
 from fabrication.checks.solid import check_solid
 from fabrication.formats.base import About, Format, Part, Whole
-from fabrication.formats.report import Body, FileReport, file_report
+from fabrication.formats.report import FileReport
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
-from fabrication.formats.step.read import check_step_part, read_step
+from fabrication.formats.step.inspect import step_report
+from fabrication.formats.step.read import check_step_part
 from fabrication.formats.step.records import Product, Schema
 from fabrication.formats.step.whole import check_step_assembly
 from fabrication.specs import Check
@@ -76,34 +77,8 @@ class Step(Format):
         return cast(Schema, self.option(about, "schema"))
 
     def inspect(self, path: Path) -> FileReport:
-        """Each product: solids, closed, valid, volume."""
-        content = read_step(path)
-        placed = [name for name, _, _ in content.instances]
-        bodies = []
-        for product in content.products:
-            report = product.report
-            problems = []
-            if report.solids == 0:
-                problems.append("no solid")
-            elif not report.closed:
-                problems.append("not closed")
-            if not report.valid:
-                problems.append(
-                    "invalid" + (f" ({', '.join(report.faults)})" if report.faults else "")
-                )
-            if report.solids and report.volume <= 0:
-                problems.append("inside out or without volume")
-            bodies.append(
-                Body(
-                    product.name,
-                    placed.count(product.name),
-                    report.solids,
-                    None,
-                    report.volume,
-                    tuple(problems),
-                )
-            )
-        return file_report(path, "STEP", content.unit, bodies)
+        """Each product: solids, closed, valid, volume; and what solids share where they stand."""
+        return step_report(path)
 
 
 def _product(part: Part) -> Product:

@@ -12,6 +12,7 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from fabrication.checks.solid import SolidReport, inspect_solid
+from fabrication.formats.step.faceted import FacetedSolid, faceted_solids
 from fabrication.formats.step.xcaf import (
     components,
     free_labels,
@@ -31,10 +32,11 @@ STEP_UNIT: Final = "millimetre"
 
 @dataclass(frozen=True)
 class StepProduct:
-    """A product read back: its name, and what the kernel says of its shape."""
+    """A product read back: its name, what the kernel says of its shape, its solids if asked for."""
 
     name: str
     report: SolidReport
+    solids: tuple[FacetedSolid, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +45,7 @@ class StepContent:
 
     products : one for each distinct part
     instances : (product name, component name, (4, 4) placement in the root's frame)
+    product_of : for each instance the place of its product
     unit : length unit of the file, "millimetre" for ours; several are joined by commas
     layers : names of the layers of each component's shape, by the component's name
     """
@@ -51,12 +54,14 @@ class StepContent:
     instances: tuple[tuple[str, str, Floats], ...]
     unit: str
     layers: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    product_of: tuple[int, ...] = ()
 
 
-def read_step(path: Path, *, validate: bool = True) -> StepContent:
+def read_step(path: Path, *, validate: bool = True, facets: bool = False) -> StepContent:
     """Read a STEP file with OCCT's XCAF reader and measure each product once.
 
-    Without `validate` the products go without BRepCheck.
+    Without `validate` the products go without BRepCheck; with `facets` they have their solids as
+    meshes.
 
     The reader mends small faults on the way (tolerances, a shell that is inside out), so a product
     is called valid as this reader sees it.
@@ -71,13 +76,20 @@ def read_step(path: Path, *, validate: bool = True) -> StepContent:
     instances: list[tuple[str, str, Floats]] = []
     tags: list[str] = []
     for label in free_labels(document):
-        _walk(label, np.eye(4), get_name(label), products, instances, tags, validate)
+        _walk(label, np.eye(4), get_name(label), products, instances, tags, (validate, facets))
     layers = layers_by_tag(document)
     of_mark = {
         mark: layers.get(tag, frozenset())
         for (_, mark, _), tag in zip(instances, tags, strict=True)
     }
-    return StepContent(tuple(products.values()), tuple(instances), ", ".join(units), of_mark)
+    order = {tag: place for place, tag in enumerate(products)}
+    return StepContent(
+        tuple(products.values()),
+        tuple(instances),
+        ", ".join(units),
+        of_mark,
+        tuple(order[tag] for tag in tags),
+    )
 
 
 def check_step_part(
@@ -121,7 +133,7 @@ def _walk(
     products: dict[str, StepProduct],
     instances: list[tuple[str, str, Floats]],
     tags: list[str],
-    validate: bool,
+    wanted: tuple[bool, bool],
 ) -> None:
     """Collect products, placed instances and the tags of their shapes below a label."""
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
@@ -129,7 +141,7 @@ def _walk(
     if XCAFDoc_ShapeTool.IsAssembly_s(label):
         for component, target in components(label):
             placed = motion @ matrix(XCAFDoc_ShapeTool.GetLocation_s(component))
-            _walk(target, placed, get_name(component), products, instances, tags, validate)
+            _walk(target, placed, get_name(component), products, instances, tags, wanted)
         return
     product = get_name(label)
     instances.append((product, name, motion))
@@ -137,7 +149,10 @@ def _walk(
     tags.append(entry)
     if entry not in products:
         shape = XCAFDoc_ShapeTool.GetShape_s(label)
-        products[entry] = StepProduct(product, inspect_solid(shape, validate=validate))
+        validate, facets = wanted
+        report = inspect_solid(shape, validate=validate)
+        solids = faceted_solids(shape) if facets else ()
+        products[entry] = StepProduct(product, report, solids)
 
 
 def matrix(location: Any) -> Floats:

@@ -99,13 +99,13 @@ class ThreeMF(Format):
             yield folder / plate_file(place), used, plate
 
     def inspect(self, path: Path) -> FileReport:
-        """Its meshes; placements are taken as rigid motions."""
+        """Its meshes, and what they share where the build places them."""
         content = read_threemf(path)
         found = [
             (body.name, placed, body.mesh)
             for body, placed in zip(content.bodies, content.placed, strict=True)
         ]
-        return mesh_report(path, "3MF", content.unit, found)
+        return mesh_report(path, "3MF", content.unit, found, content.items)
 
 
 FORMAT: Final = ThreeMF()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -12,7 +12,7 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints
 from fabrication.formats.threemf.write import DECIMALS, Body3MF
-from fabrication.specs import Check, TriangleMesh
+from fabrication.specs import Check, Placement, TriangleMesh
 
 SINGLE_ROUNDING: Final = 2.0**-23
 """Greatest rounding of a coordinate in lib3mf (single precision), relative to its size."""
@@ -38,6 +38,7 @@ class Content3MF:
     unit : of the file
     bodies : the meshes with their names, unplaced; the color is not read
     placed : how often the build places each body, through components too
+    items : what the build places: which body, its part number (or its name), (4, 4) motion [mm]
     oriented : whether lib3mf finds each one manifold and oriented
     warnings : of the reader
     """
@@ -45,12 +46,13 @@ class Content3MF:
     unit: str
     bodies: tuple[Body3MF, ...]
     placed: tuple[int, ...]
+    items: tuple[tuple[int, str, Placement], ...]
     oriented: tuple[bool, ...]
     warnings: tuple[str, ...]
 
 
 def read_threemf(path: Path, *, strict: bool = True) -> Content3MF:
-    """The meshes of a 3MF. Placements are taken as rigid motions: the meshes are as written.
+    """The meshes of a 3MF as written, and where the build places them.
 
     Raises
     ------
@@ -74,14 +76,16 @@ def read_threemf(path: Path, *, strict: bool = True) -> Content3MF:
         objects, found = model.GetMeshObjects(), []
         while objects.MoveNext():
             found.append(objects.GetCurrentMeshObject())
-        placed = _placed(model, {body.GetResourceID() for body in found})
+        ids = [body.GetResourceID() for body in found]
+        items = tuple(_items(model, ids, factor))
         bodies = tuple(Body3MF(body.GetName(), _mesh(body, factor)) for body in found)
         oriented = tuple(bool(body.IsManifoldAndOriented()) for body in found)
         warnings = tuple(reader.GetWarning(i)[1] for i in range(reader.GetWarningCount()))
     except lib3mf.ELib3MFException as error:
         raise InputError(f"not a readable 3MF file ({error})", file=str(path)) from error
-    counts = tuple(placed.get(body.GetResourceID(), 0) for body in found)
-    return Content3MF(unit, bodies, counts, oriented, warnings)
+    used = [body for body, _, _ in items]
+    counts = tuple(used.count(body) for body in range(len(found)))
+    return Content3MF(unit, bodies, counts, items, oriented, warnings)
 
 
 def check_threemf(path: Path, expected: Sequence[tuple[str, TriangleMesh, int]]) -> list[Check]:
@@ -127,23 +131,38 @@ def check_threemf(path: Path, expected: Sequence[tuple[str, TriangleMesh, int]])
     return checks
 
 
-def _placed(model: Any, meshes: set[int]) -> dict[int, int]:
-    """How often the build places each mesh object, by resource id, through components too."""
-    placed: dict[int, int] = {}
+def _items(
+    model: Any, meshes: Sequence[int], factor: float
+) -> Iterator[tuple[int, str, Placement]]:
+    """Every mesh that the build places, through components too; motions in millimeters."""
+    numbers = {key: number for number, key in enumerate(meshes)}
 
-    def place(body: Any) -> None:
-        key = body.GetResourceID()
-        if key in meshes:
-            placed[key] = placed.get(key, 0) + 1
+    def place(body: Any, name: str, at: Placement) -> Iterator[tuple[int, str, Placement]]:
+        number = numbers.get(body.GetResourceID())
+        if number is not None:
+            yield number, name or body.GetName(), at
             return
-        parts = model.GetComponentsObjectByID(key)
+        parts = model.GetComponentsObjectByID(body.GetResourceID())
         for i in range(parts.GetComponentCount()):
-            place(parts.GetComponent(i).GetObjectResource())
+            part = parts.GetComponent(i)
+            motion = _motion(part.GetTransform(), factor)
+            inner = part.GetObjectResource()
+            own = f"{name} {inner.GetName()}".strip() if name else inner.GetName()
+            yield from place(inner, own, at @ motion)
 
     build = model.GetBuildItems()
     while build.MoveNext():
-        place(build.GetCurrent().GetObjectResource())
-    return placed
+        item = build.GetCurrent()
+        motion = _motion(item.GetObjectTransform(), factor)
+        yield from place(item.GetObjectResource(), item.GetPartNumber(), motion)
+
+
+def _motion(transform: Any, factor: float) -> Placement:
+    """(4, 4) matrix of a lib3mf transform, which multiplies row vectors."""
+    rows = np.array([list(row) for row in transform.Fields], dtype=np.float64)
+    motion = np.eye(4)
+    motion[:3, :3], motion[:3, 3] = rows[:3].T, rows[3] * factor
+    return motion
 
 
 def _mesh(body: Any, factor: float) -> TriangleMesh:
