@@ -24,6 +24,7 @@ from ddgfab.io.repairs import repair
 from ddgfab.io.stl import parse_stl
 from ddgfab.io.units import FACTORS, SHORTEST_MEDIAN_MM, Unit, to_millimetres, unlikely_size
 from ddgfab.mesh import Floats, Mesh
+from ddgfab.tolerances import COORDINATE_LIMIT
 
 __all__ = [
     "FACTORS",
@@ -147,7 +148,7 @@ def read_mesh(
         asked = None if units == STATED else units
         scale = to_millimetres(asked, scale, raw.units, str(path))
     points = upright(raw.points * scale, up)
-    finite = bool(len(points)) and bool(np.isfinite(points).all())
+    finite = bool(len(points)) and bool((np.abs(points) <= COORDINATE_LIMIT).all())
     used = np.unique(raw.corners[(raw.corners >= 0) & (raw.corners < len(points))])
     origin = local_origin(points[used]) if finite else np.zeros(3)
     placed = replace(raw, points=points - origin, step=raw.step * scale)

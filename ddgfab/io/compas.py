@@ -9,9 +9,12 @@ from typing import Any
 import numpy as np
 
 from ddgfab.errors import MeshError
-from ddgfab.io.raw import RawMesh
+from ddgfab.io.raw import RawMesh, check_count
 from ddgfab.io.tokens import clip, decode
 from ddgfab.mesh import Floats
+
+LIMIT_JSON = 32 * 1024 * 1024
+"""Larger JSON is refused [bytes]; as objects it takes some 25 times as much memory."""
 
 DEPTH = 60
 """Containers are looked into to this depth."""
@@ -31,6 +34,10 @@ def parse_compas(data: bytes, file: str) -> RawMesh:
 
     Source: COMPAS, `compas.datastructures.Mesh`, `__data__` (versions 1.17 and 2.x).
     """
+    if len(data) > LIMIT_JSON:
+        raise MeshError(
+            f"has {len(data)} bytes; JSON is read up to {LIMIT_JSON}: export OBJ or PLY", file=file
+        )
     try:
         root = json.loads(decode(data, file))
     except json.JSONDecodeError as error:
@@ -48,6 +55,9 @@ def parse_compas(data: bytes, file: str) -> RawMesh:
     notes = []
     if len(found) > 1:
         notes.append(f"the file holds {len(found)} meshes: the first is read")
+    for what in ("vertices", "faces"):
+        table = record.get({"vertices": "vertex", "faces": "face"}[what], record.get(what))
+        check_count(len(table or ()), what, file)
     ids, points = _vertices(record, file)
     rank = {name: i for i, name in enumerate(ids)}
     corners: list[int] = []
@@ -101,7 +111,8 @@ def _items(table: Any) -> list[tuple[str, Any]]:
 
 def _vertices(record: dict[str, Any], file: str) -> tuple[list[str], Floats]:
     """Names and coordinates; an attribute that a vertex lacks has the mesh's default."""
-    base = record.get("default_vertex_attributes") or record.get("dva") or {}
+    base = record.get("default_vertex_attributes") or record.get("dva")
+    base = base if isinstance(base, dict) else {}
     names, points = [], []
     for name, row in _items(record["vertex"] if "vertex" in record else record["vertices"]):
         values = [{**base, **row}.get(k, 0.0) for k in "xyz"] if isinstance(row, dict) else row

@@ -16,6 +16,9 @@ AXES_NOTE: Final = "normals: node axes"
 HEAD: Final = 60
 """Comments are looked for in so many lines from the start."""
 
+WIDTH: Final = 1000
+"""So many characters of a line are looked at."""
+
 
 def comments_of(text: str, mark: str) -> str:
     """The comments in the first lines of a text file, joined."""
@@ -23,10 +26,10 @@ def comments_of(text: str, mark: str) -> str:
     at = 0
     for _ in range(HEAD):
         end = text.find("\n", at)
-        line = text[at : end if end >= 0 else len(text)]
+        line = text[at : min(end if end >= 0 else len(text), at + WIDTH)]
         before, sign, comment = line.partition(mark)
         if sign and (mark == "#" or not before.strip()):
-            found.append(comment.strip())
+            found.append(comment[:WIDTH].strip())
         if end < 0:
             break
         at = end + 1

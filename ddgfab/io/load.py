@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Final
 
 from ddgfab.errors import MeshError
+from ddgfab.io.regular import read_regular
 
-LIMIT_BYTES = 256 * 1024 * 1024
+LIMIT_BYTES = 128 * 1024 * 1024
 """Largest mesh file that is read [bytes] unless the caller allows more; also after unpacking."""
 
 _MESH = "export a polygon mesh: OBJ, OFF, PLY or STL"
@@ -94,21 +95,10 @@ def load_bytes(path: Path, limit_bytes: int) -> tuple[bytes, str]:
     Raises
     ------
     MeshError
-        What is missing, empty, above the limit, or damaged gzip.
+        What is missing, no regular file, empty, above the limit, or damaged gzip.
     """
     file = str(path)
-    try:
-        size = path.stat().st_size
-        if path.is_dir():
-            raise MeshError("this is a folder; a mesh file is needed", file=file)
-        if size > limit_bytes:
-            raise _too_large(f"{size} bytes exceed", limit_bytes, file)
-        data = path.read_bytes()
-    except FileNotFoundError as error:
-        raise MeshError("no such file", file=file) from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise MeshError(f"cannot be read: {reason}", file=file) from error
+    data = read_regular(path, limit_bytes)
     digest = hashlib.sha256(data).hexdigest()
     if data.startswith(b"\x1f\x8b"):
         try:
@@ -118,7 +108,7 @@ def load_bytes(path: Path, limit_bytes: int) -> tuple[bytes, str]:
             raise MeshError(f"is damaged gzip: {error}", file=file) from error
         if len(data) > limit_bytes:
             raise _too_large("the unpacked bytes exceed", limit_bytes, file)
-    if not data.strip():
+    if not data or data.isspace():
         raise MeshError("the file is empty", file=file)
     return data, digest
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from array import array
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,8 +15,8 @@ from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.io.header import AXES_NOTE, comments_of, header_lines
-from ddgfab.io.raw import SAMPLE, RawMesh, decimal_step
-from ddgfab.io.tokens import clip, decode, integer, number
+from ddgfab.io.raw import RawMesh, Rows, check_count
+from ddgfab.io.tokens import clip, decode, integer, number, numbered
 from ddgfab.io.units import stated_unit
 from ddgfab.io.wires import Wires, faces_of_wires
 from ddgfab.mesh import Floats, Mesh
@@ -26,7 +28,15 @@ _BETWEEN = frozenset(
     | {"bevel", "c_interp", "d_interp", "lod", "maplib", "usemap", "shadow_obj", "trace_obj"}
     | {"ctech", "stech", "bsp", "bzp", "cdc", "cdp", "res"}
 )
-_STATED = re.compile(r"#\s*(\d+)\s+vertices,\s*(\d+)\s+faces\s*$", re.MULTILINE)
+_STATED = re.compile(
+    r"#[ \t]*(\d{1,15})[ \t]+vertices,[ \t]*(\d{1,15})[ \t]+faces[ \t]*$", re.MULTILINE
+)
+HEAD_CHARACTERS = 65_536
+"""What a file says of its own length is looked for in so many characters from its start."""
+
+KINDS = 20
+"""Kinds of unknown lines that are told apart; a file that is no OBJ may hold any number."""
+
 _EXTRA = {5: "vertex weights", 7: "vertex colors", 8: "vertex colors"}
 
 
@@ -34,20 +44,18 @@ _EXTRA = {5: "vertex weights", 7: "vertex colors", 8: "vertex colors"}
 class _Content:
     """What has been read so far."""
 
-    points: list[tuple[float, float, float]] = field(default_factory=list)
-    tokens: list[list[str]] = field(default_factory=list)
-    normals: list[tuple[float, float, float]] = field(default_factory=list)
-    faces: list[list[int]] = field(default_factory=list)
-    face_normals: list[list[int]] = field(default_factory=list)
+    rows: Rows
+    normals: array[float] = field(default_factory=lambda: array("d"))
+    corner_normals: array[int] = field(default_factory=lambda: array("q"))
     wires: list[list[int]] = field(default_factory=list)
-    point_lines: list[int] = field(default_factory=list)
-    face_lines: list[int] = field(default_factory=list)
     wire_lines: list[int] = field(default_factory=list)
     ignored: Counter[str] = field(default_factory=Counter)
     first: dict[str, int] = field(default_factory=dict)
 
     def ignore(self, what: str, line: int) -> None:
         """Count what is passed over, and keep where it stands first."""
+        if what not in self.first and len(self.first) >= KINDS:
+            what = "lines of other kinds"
         self.ignored[what] += 1
         self.first.setdefault(what, line)
 
@@ -76,31 +84,27 @@ def parse_obj(data: bytes, file: str) -> RawMesh:
     text = decode(data, file)
     comments = comments_of(text, "#")
     with_axes = AXES_NOTE in comments
-    read = _Content()
+    rows = Rows(file)
+    read = _Content(rows)
     for line, content in _lines(text, file):
         parts = content.split()
         if parts:
             _take(read, parts, with_axes, file, line)
-    stated = _STATED.search(text)
-    if stated and (len(read.points) < int(stated[1]) or len(read.faces) < int(stated[2])):
+    stated = _STATED.search(text, 0, HEAD_CHARACTERS)
+    points, faces = len(rows.point_lines), len(rows.sizes)
+    if stated and (points < int(stated[1]) or faces < int(stated[2])):
         raise MeshError(
             f"truncated: its head says {stated[1]} vertices and {stated[2]} faces, "
-            f"{len(read.points)} and {len(read.faces)} are there",
+            f"{points} and {faces} are there",
             file=file,
             line=text.count("\n") + 1,
         )
-    sample = read.tokens[:: max(1, 3 * len(read.tokens) // SAMPLE)]
-    step = decimal_step(token for row in sample for token in row)
-    if not read.faces:
-        _faces_from_wires(read, step, file)
+    if not faces:
+        _faces_from_wires(read, file)
     return RawMesh.of(
         file,
-        read.points,
-        read.faces,
-        read.point_lines,
-        read.face_lines,
+        rows,
         read.notes(),
-        step=step,
         units=stated_unit(comments),
         axes=_axes(read) if with_axes else None,
     )
@@ -114,9 +118,7 @@ def _take(read: _Content, parts: list[str], with_axes: bool, file: str, line: in
             raise MeshError(
                 f"a vertex needs three coordinates; {len(parts) - 1} given", file=file, line=line
             )
-        read.points.append(_vector(parts, file, line))
-        read.tokens.append(parts[1:4])
-        read.point_lines.append(line)
+        read.rows.vertex(parts[1:4], line)
         if len(parts) != 4:
             read.ignore(_EXTRA.get(len(parts), "extra values at vertices"), line)
     elif key in ("f", "fo"):
@@ -124,16 +126,16 @@ def _take(read: _Content, parts: list[str], with_axes: bool, file: str, line: in
             raise MeshError(
                 f"a face needs three corners; {len(parts) - 1} given", file=file, line=line
             )
-        read.faces.append(_corners(parts, len(read.points), file, line))
-        read.face_lines.append(line)
+        read.rows.face(_corners(parts, len(read.rows.point_lines), file, line), line)
         if with_axes:
-            read.face_normals.append(_normal_ids(parts, len(read.normals)))
+            read.corner_normals.extend(_normal_ids(parts, len(read.normals) // 3))
     elif key == "vn":
         if with_axes and len(parts) == 4:
-            read.normals.append(_vector(parts, file, line))
+            read.normals.extend(_vector(parts, file, line))
     elif key == "l" and len(parts) > 2:
-        read.wires.append(_corners(parts, len(read.points), file, line))
+        read.wires.append(_corners(parts, len(read.rows.point_lines), file, line))
         read.wire_lines.append(line)
+        check_count(len(read.wires), "lines 'l'", file, line)
         read.ignore("polylines 'l'", line)
     elif key in _FREEFORM:
         read.ignore(_FREEFORM[key], line)
@@ -141,44 +143,44 @@ def _take(read: _Content, parts: list[str], with_axes: bool, file: str, line: in
         read.ignore({"p": "points 'p'"}.get(key, f"lines '{clip(key)}'"), line)
 
 
-def _faces_from_wires(read: _Content, step: float, file: str) -> None:
+def _faces_from_wires(read: _Content, file: str) -> None:
     """Faces that lines bound, where a file has no others; otherwise says what there is."""
+    rows = read.rows
     skipped = ", ".join(f"{n} {what}" for what, n in read.ignored.items())
     if not read.wires:
         instead = f"; skipped {skipped}: export a mesh of polygons" if skipped else ""
         raise MeshError(
-            f"the mesh has no faces ({len(read.points)} vertices{instead})",
+            f"the mesh has no faces ({len(rows.point_lines)} vertices{instead})",
             file=file,
         )
-    wires = Wires.of(np.array(read.points).reshape(-1, 3), read.wires, step)
+    points = np.array(rows.points, dtype=np.float64).reshape(-1, 3)
+    wires = Wires.of(points, read.wires, rows.digits.step, file)
     faces, lines = faces_of_wires(wires, read.wire_lines, file)
-    read.faces += faces
-    read.face_lines += lines
+    for face, line in zip(faces, lines, strict=True):
+        rows.face(face, line)
     count = read.ignored.pop("polylines 'l'")
     read.ignore(f"faces made of {count} polylines 'l': the file has no faces of its own", lines[0])
 
 
-def _lines(text: str, file: str) -> list[tuple[int, str]]:
+def _lines(text: str, file: str) -> Iterator[tuple[int, str]]:
     """Numbered lines without comments; a continued line has the number of its first part."""
-    lines = list(enumerate(text.split("\n"), start=1))
-    if "#" in text:
-        lines = [(n, s.partition("#")[0] if "#" in s else s) for n, s in lines]
-    if "\\" not in text:
-        return lines
-    joined: list[tuple[int, str]] = []
-    pending: tuple[int, str] | None = None
-    for n, content in lines:
-        if pending is not None:
-            n, content = pending[0], pending[1] + " " + content
-            pending = None
-        bare = content.rstrip()
+    parts: list[str] = []
+    first = last = 0
+    for line, content in numbered(text):
+        bare = content.partition("#")[0].rstrip() if "#" in content else content.rstrip()
+        if parts and line > last + 1:  # a blank line ends what was to be continued
+            yield first, " ".join(parts)
+            parts = []
+        first, last = (first if parts else line), line
         if bare.endswith("\\"):
-            pending = (n, bare[:-1])
+            parts.append(bare[:-1])
         else:
-            joined.append((n, content))
-    if pending is not None:
-        raise MeshError("the file ends in a continued line: truncated", file=file, line=pending[0])
-    return joined
+            yield first, " ".join([*parts, bare])
+            parts = []
+    if parts and text.count("\n") + 1 == last:
+        raise MeshError("the file ends in a continued line: truncated", file=file, line=first)
+    if parts:
+        yield first, " ".join(parts)
 
 
 def _vector(parts: list[str], file: str, line: int) -> tuple[float, float, float]:
@@ -207,19 +209,22 @@ def _normal_ids(parts: list[str], count: int) -> list[int]:
     ids = []
     for token in parts[1:]:
         text = token.split("/")[2] if token.count("/") == 2 else ""
-        index = int(text) if text.lstrip("-").isdecimal() and len(text) < 12 else 0
+        index = int(text) if text.removeprefix("-").isdecimal() and len(text) < 12 else 0
         ids.append(index - 1 if index > 0 else count + index if index < 0 else -1)
     return ids
 
 
 def _axes(read: _Content) -> Floats | None:
     """The axis of each vertex: the normal at its corners."""
-    axes = np.zeros((len(read.points), 3))
-    for face, ids in zip(read.faces, read.face_normals, strict=True):
-        for vertex, index in zip(face, ids, strict=True):
-            if not (0 <= index < len(read.normals) and vertex < len(axes)):
-                return None
-            axes[vertex] = read.normals[index]
+    axes = np.zeros((len(read.rows.point_lines), 3))
+    normals = np.array(read.normals, dtype=np.float64).reshape(-1, 3)
+    vertices = np.array(read.rows.corners, dtype=np.int64)
+    ids = np.array(read.corner_normals, dtype=np.int64)
+    if len(ids) != len(vertices) or not ((ids >= 0) & (ids < len(normals))).all():
+        return None
+    if not ((vertices >= 0) & (vertices < len(axes))).all():
+        return None
+    axes[vertices] = normals[ids]
     return axes
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +14,17 @@ from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.io.header import AXES_NOTE, comments_of, header_lines
-from ddgfab.io.raw import SAMPLE, RawMesh, decimal_step
-from ddgfab.io.tokens import clip, decode, integer, number
+from ddgfab.io.raw import RawMesh, Rows, check_count
+from ddgfab.io.tokens import clip, decode, integer, token_rows
 from ddgfab.io.units import stated_unit
 from ddgfab.mesh import Floats, Mesh
 
 _HEADER = re.compile(r"(ST)?(C)?(N)?(4)?(n)?OFF(\d*)$")
 Row = tuple[int, list[str]]
+Word = tuple[int, str]
+
+HEAD_ROWS = 5
+"""Header and counts stand in so many lines at most, if each has one word."""
 
 
 def parse_off(data: bytes, file: str) -> RawMesh:
@@ -41,61 +47,64 @@ def parse_off(data: bytes, file: str) -> RawMesh:
     """
     text = decode(data, file)
     comments = comments_of(text, "#")
-    rows = []
-    for line, content in enumerate(text.split("\n"), start=1):
-        parts = content.partition("#")[0].split()
-        if parts:
-            rows.append((line, parts))
-    counts, values, at = _head(rows, file)
-    body = rows[at:]
-    raw = _by_lines(body, counts, file)
-    if raw is None:
+    counts, values, at = _head(list(islice(token_rows(text), HEAD_ROWS)), file)
+
+    def body() -> Iterator[Row]:
+        return islice(token_rows(text), at, None)
+
+    if _line_each(body(), counts):
+        raw = _by_lines(body(), counts, file)
+    else:
         try:
-            raw = _by_tokens(body, counts, values, file)
+            raw = _by_tokens(body(), counts, values, file)
         except MeshError:
-            if len(body) >= sum(counts):  # a line for each record: what is wrong with one of them?
-                _check_lines(body, counts, file)
+            if _has_rows(body(), sum(counts)):  # a line for each record: what is wrong with one?
+                _check_lines(body(), counts, file)
             raise
-    axes = _axes(body, counts[0]) if AXES_NOTE in comments and values >= 6 else None
+    axes = _axes(body(), counts[0]) if AXES_NOTE in comments and values >= 6 else None
     return replace(_from_one(raw), units=stated_unit(comments), axes=axes)
 
 
-def _by_lines(rows: list[Row], counts: tuple[int, int], file: str) -> RawMesh | None:
-    """The file where every record has a line of its own; None where it has not."""
-    n_points, n_faces = counts
-    stated = n_points + n_faces
-    points, faces = rows[:n_points], rows[n_points:stated]
-    if len(rows) < stated or any(len(parts) < 3 for _, parts in points):
-        return None
-    if any(not p[0].isdecimal() or len(p[0]) > 9 or len(p) <= int(p[0]) for _, p in faces):
-        return None
-    notes = []
-    if len(rows) > stated:
-        notes.append(f"ignored all after the last stated face (from line {rows[stated][0]})")
-    polygons = []
-    for line, parts in faces:
+def _line_each(rows: Iterator[Row], counts: tuple[int, int]) -> bool:
+    """Whether every record has a line of its own."""
+    for _ in range(counts[0]):
+        if len(next(rows, (0, []))[1]) < 3:
+            return False
+    for _ in range(counts[1]):
+        parts = next(rows, (0, [""]))[1]
+        if not parts[0].isdecimal() or len(parts[0]) > 9 or len(parts) <= int(parts[0]):
+            return False
+    return True
+
+
+def _has_rows(rows: Iterator[Row], count: int) -> bool:
+    return sum(1 for _ in islice(rows, count)) == count
+
+
+def _by_lines(body: Iterator[Row], counts: tuple[int, int], file: str) -> RawMesh:
+    """The file where every record has a line of its own."""
+    rows = Rows(file)
+    for line, parts in islice(body, counts[0]):
+        rows.vertex(parts[:3], line)
+    for line, parts in islice(body, counts[1]):
         size = _size(parts[0], file, line)
-        polygons.append([integer(token, file, line) for token in parts[1 : size + 1]])
-    sample = points[:: max(1, 3 * len(points) // SAMPLE)]
-    return RawMesh.of(
-        file,
-        [[number(token, file, line) for token in parts[:3]] for line, parts in points],
-        polygons,
-        [line for line, _ in points],
-        [line for line, _ in faces],
-        notes,
-        step=decimal_step(token for _, parts in sample for token in parts[:3]),
-    )
+        rows.face([integer(token, file, line) for token in parts[1 : size + 1]], line)
+    return RawMesh.of(file, rows, _left_over(next(body, None)))
 
 
-def _check_lines(rows: list[Row], counts: tuple[int, int], file: str) -> None:
+def _left_over(row: Row | None) -> list[str]:
+    """The note of what stands behind the last stated face, if anything does."""
+    return [] if row is None else [f"ignored all after the last stated face (from line {row[0]})"]
+
+
+def _check_lines(rows: Iterator[Row], counts: tuple[int, int], file: str) -> None:
     """Raise for the first line that is no record."""
-    for line, parts in rows[: counts[0]]:
+    for line, parts in islice(rows, counts[0]):
         if len(parts) < 3:
             raise MeshError(
                 f"a vertex needs three coordinates; {len(parts)} given", file=file, line=line
             )
-    for line, parts in rows[counts[0] : sum(counts)]:
+    for line, parts in islice(rows, counts[1]):
         size = _size(parts[0], file, line)
         if len(parts) <= size:
             raise MeshError(
@@ -103,73 +112,101 @@ def _check_lines(rows: list[Row], counts: tuple[int, int], file: str) -> None:
             )
 
 
-def _by_tokens(rows: list[Row], counts: tuple[int, int], values: int, file: str) -> RawMesh:
+class _Tokens:
+    """The words of a file one after the other, with the lines they stand in."""
+
+    def __init__(self, rows: Iterator[Row]) -> None:
+        self._rows = rows
+        self._row: list[str] = []
+        self._at = 0
+        self.line = 0
+
+    def take(self, count: int) -> list[Word]:
+        """The next words, fewer where the file ends."""
+        found: list[Word] = []
+        while len(found) < count and self.more():
+            part = self._row[self._at : self._at + count - len(found)]
+            self._at += len(part)
+            found += [(self.line, token) for token in part]
+        return found
+
+    def more(self) -> bool:
+        """Whether any word is left."""
+        while self._at >= len(self._row):
+            row = next(self._rows, None)
+            if row is None:
+                return False
+            self.line, self._row = row
+            self._at = 0
+        return True
+
+    def rest(self) -> list[str]:
+        """What is left of the line of the last word."""
+        return self._row[self._at :]
+
+    def skip_rest(self) -> None:
+        """Go on with the next line."""
+        self._at = len(self._row)
+
+
+def _by_tokens(body: Iterator[Row], counts: tuple[int, int], values: int, file: str) -> RawMesh:
     """The file as a sequence of numbers, whatever its lines; a face ends with its last corner.
 
     What follows the corners in the line of the last of them is the color of the face.
     """
     n_points, n_faces = counts
-    tokens = [(line, token) for line, parts in rows for token in parts]
-    ends = {}  # token after the last one of its line
-    at = 0
-    for line, parts in rows:
-        at += len(parts)
-        ends[line] = at
-    last = rows[-1][0] if rows else None
-    have = min(n_points, len(tokens) // values)
-    if have < n_points:
-        raise MeshError(
-            f"truncated: {n_points} vertices and {n_faces} faces are stated, {have} and 0 are "
-            f"there (a vertex needs {'three coordinates' if values == 3 else f'{values} numbers'})",
-            file=file,
-            line=last,
-        )
-    points, point_lines = [], []
-    for start in range(0, values * n_points, values):
-        points.append([number(token, file, line) for line, token in tokens[start : start + 3]])
-        point_lines.append(tokens[start][0])
-    faces: list[list[int]] = []
-    face_lines: list[int] = []
-    at = values * n_points
-    for face in range(n_faces):
-        if at >= len(tokens):
+    stated = f"{n_points} vertices and {n_faces} faces are stated"
+    tokens = _Tokens(body)
+    rows = Rows(file)
+    for have in range(n_points):
+        words = tokens.take(values)
+        if len(words) < values:
             raise MeshError(
-                f"truncated: {n_points} vertices and {n_faces} faces are stated, "
-                f"{n_points} and {face} are there",
+                f"truncated: {stated}, {have} and 0 are there (a vertex needs "
+                f"{'three coordinates' if values == 3 else f'{values} numbers'})",
                 file=file,
-                line=last,
+                line=tokens.line or None,
             )
-        line, token = tokens[at]
-        size = _size(token, file, line)
-        stop = at + 1 + size
-        if stop > len(tokens):
+        rows.vertex([token for _, token in words[:3]], words[0][0])
+    for face in range(n_faces):
+        first = tokens.take(1)
+        if not first:
             raise MeshError(
-                f"truncated: a face of {size} corners names {len(tokens) - at - 1} vertices",
+                f"truncated: {stated}, {n_points} and {face} are there",
+                file=file,
+                line=tokens.line or None,
+            )
+        line = first[0][0]
+        size = _size(first[0][1], file, line)
+        corners = tokens.take(size)
+        if len(corners) < size:
+            raise MeshError(
+                f"truncated: a face of {size} corners names {len(corners)} vertices",
                 file=file,
                 line=line,
             )
-        faces.append([integer(t, file, n) for n, t in tokens[at + 1 : stop]])
-        face_lines.append(line)
-        at = max(stop, ends[tokens[stop - 1][0]]) if _is_color(tokens, stop, ends) else stop
+        rows.face([integer(token, file, n) for n, token in corners], line)
+        if _is_color(tokens.rest()):
+            tokens.skip_rest()
     notes = ["its records are not a line each: read as a sequence of numbers"]
-    if at < len(tokens):
-        notes.append(f"ignored all after the last stated face (from line {tokens[at][0]})")
-    sample = tokens[: values * n_points : max(1, values * n_points // SAMPLE)]
-    return RawMesh.of(
-        file, points, faces, point_lines, face_lines, notes, step=decimal_step(t for _, t in sample)
-    )
+    if tokens.more():
+        notes += _left_over((tokens.line, []))
+    return RawMesh.of(file, rows, notes)
 
 
-def _is_color(tokens: list[tuple[int, str]], stop: int, ends: dict[int, int]) -> bool:
+def _is_color(rest: list[str]) -> bool:
     """Whether the rest of the line in which a face ends is its color.
 
     A color is three or four numbers, of which one has a point, or which no face could begin with.
     """
-    left = ends[tokens[stop - 1][0]] - stop
-    if not 1 <= left <= 4:
+    if not 1 <= len(rest) <= 4:
         return False
-    rest = [token for _, token in tokens[stop : stop + left]]
-    return any("." in token for token in rest) or not rest[0].isdecimal() or int(rest[0]) < 3
+    first = rest[0]
+    return (
+        any("." in token for token in rest)
+        or not first.isdecimal()
+        or (len(first) < 10 and int(first) < 3)
+    )
 
 
 def _size(token: str, file: str, line: int) -> int:
@@ -179,10 +216,10 @@ def _size(token: str, file: str, line: int) -> int:
     return size
 
 
-def _axes(rows: list[Row], n_points: int) -> Floats | None:
+def _axes(rows: Iterator[Row], n_points: int) -> Floats | None:
     """(V, 3) the normals behind the coordinates."""
     try:
-        table = [[float(token) for token in parts[3:6]] for _, parts in rows[:n_points]]
+        table = [[float(token) for token in parts[3:6]] for _, parts in islice(rows, n_points)]
         axes = np.array(table, dtype=np.float64).reshape(n_points, 3)
     except ValueError:
         return None
@@ -220,6 +257,8 @@ def _head(rows: list[Row], file: str) -> tuple[tuple[int, int], int, int]:
     counts = tuple(integer(token, file, line, "count") for token in rest[:2])
     if min(counts) < 0:
         raise MeshError(f"count {min(counts)} is negative", file=file, line=line)
+    for count, what in zip(counts, ("vertices", "faces"), strict=True):
+        check_count(count, what, file, line)
     values = 3 + (3 if found[3] else 0) + (4 if found[2] else 0) + (2 if found[1] else 0)
     return (counts[0], counts[1]), values, at
 

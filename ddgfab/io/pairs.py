@@ -10,6 +10,9 @@ from ddgfab.mesh import Floats, Ints, Mesh, unit
 STRETCHED = 1e-3
 """Quads with a corner whose sine is smaller are never made."""
 
+SEARCHED = 50
+"""Triangles left over are brought together until so many have been looked at for each one."""
+
 
 def paired_in_order(mesh: Mesh) -> bool:
     """Whether all faces are triangles, of which the first two, the next two, ... form quads.
@@ -79,14 +82,25 @@ def _matched(faces: Ints, cost: Floats, count: int) -> NDArray[np.int64]:
     for row, (a, b) in enumerate(faces.tolist()):
         around[a].append((b, row))
         around[b].append((a, row))
+    dead: set[int] = set()  # no free triangle is to be reached from these any more
+    budget = SEARCHED * count
     for free in np.flatnonzero(partner < 0).tolist():
-        if partner[free] < 0 and around[free]:
-            _augment(free, around, partner, by)
+        if partner[free] < 0 and around[free] and budget > 0:
+            budget -= _augment(free, around, partner, by, dead)
     return np.unique(by[by >= 0])
 
 
-def _augment(free: int, around: list[list[tuple[int, int]]], partner: Ints, by: Ints) -> None:
-    """Exchange partners along the shortest alternating path to another free triangle."""
+def _augment(
+    free: int,
+    around: list[list[tuple[int, int]]],
+    partner: Ints,
+    by: Ints,
+    dead: set[int],
+) -> int:
+    """Exchange partners along the shortest alternating path to another free triangle.
+
+    Returns how many triangles were looked at.
+    """
     came: dict[int, tuple[int, int]] = {free: (-1, -1)}
     layer = [free]
     while layer:
@@ -94,17 +108,19 @@ def _augment(free: int, around: list[list[tuple[int, int]]], partner: Ints, by: 
         for face in layer:
             for other, row in around[face]:
                 mate = int(partner[other])
-                if other in came or mate == face:
+                if other in came or mate == face or other in dead:
                     continue
                 if mate < 0:
                     came[other] = (face, row)
                     _exchange(other, free, came, partner, by)
-                    return
+                    return len(came)
                 if mate not in came:
                     came[other] = (face, row)
                     came[mate] = (other, -1)
                     ahead.append(mate)
         layer = ahead
+    dead.update(came)
+    return len(came)
 
 
 def _exchange(

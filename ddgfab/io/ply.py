@@ -12,7 +12,7 @@ from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.io.header import AXES_NOTE, header_lines
 from ddgfab.io.ply_body import BinaryBody, Element, Property, TextBody
-from ddgfab.io.raw import RawMesh
+from ddgfab.io.raw import RawMesh, check_count
 from ddgfab.io.tokens import clip, integer
 from ddgfab.io.units import stated_unit
 from ddgfab.mesh import Floats, Ints, Mesh
@@ -142,6 +142,11 @@ def _header(data: bytes, file: str) -> _Header:
             _declare(header, words, file, line)
     if not header.format:
         raise MeshError("the header names no format", file=file, line=header.lines)
+    for element in header.elements:
+        if not element.properties and element.count:
+            raise MeshError(
+                f"element '{clip(element.name)}' has no properties", file=file, line=header.lines
+            )
     return header
 
 
@@ -161,6 +166,7 @@ def _declare(header: _Header, words: list[str], file: str, line: int) -> None:
         count = integer(words[2], file, line, "count")
         if count < 0 or words[1] in {element.name for element in header.elements}:
             raise wrong
+        check_count(count, f"elements '{clip(words[1])}'", file, line)
         header.elements.append(Element(words[1], count, []))
     elif words[0] == "property" and header.elements and len(words) in (3, 5):
         types = words[2:4] if words[1] == "list" else words[1:2]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from array import array
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ddgfab.errors import MeshError
-from ddgfab.io.raw import SAMPLE, binary_step, decimal_step
-from ddgfab.io.tokens import decode, integer, number
+from ddgfab.io.raw import Digits, Rows, binary_step
+from ddgfab.io.tokens import decode, integer, number, numbered
 from ddgfab.mesh import Floats, Ints
 
 
@@ -36,22 +38,22 @@ class TextBody:
 
     def __init__(self, data: bytes, file: str, header_lines: int) -> None:
         self._file = file
-        rows = enumerate(decode(data, file, header_lines).split("\n"), start=header_lines + 1)
-        self._rows = [(line, parts) for line, row in rows if (parts := row.split())]
-        self._at = 0
+        self._rows = numbered(decode(data, file, header_lines))
+        self._above = header_lines
+        self._last: int | None = None
         self._step = 0.0
 
-    def _take(self, element: Element) -> list[tuple[int, list[str]]]:
-        rows = self._rows[self._at : self._at + element.count]
-        if len(rows) < element.count:
-            line = self._rows[-1][0] if self._rows else None
-            raise MeshError(
-                f"truncated: {element.count} of '{element.name}' are stated, {len(rows)} are there",
-                file=self._file,
-                line=line,
-            )
-        self._at += element.count
-        return rows
+    def _take(self, element: Element) -> Iterator[tuple[int, list[str]]]:
+        for found in range(element.count):
+            row = next(self._rows, None)
+            if row is None:
+                raise MeshError(
+                    f"truncated: {element.count} of '{element.name}' are stated, {found} are there",
+                    file=self._file,
+                    line=self._last,
+                )
+            self._last = self._above + row[0]
+            yield self._last, row[1].split()
 
     def _split(self, element: Element, line: int, parts: list[str]) -> dict[str, list[str]]:
         """Tokens of each property of one record."""
@@ -71,16 +73,15 @@ class TextBody:
 
     def scalars(self, element: Element, names: tuple[str, ...]) -> tuple[list[Floats], Ints | None]:
         """Columns of scalar properties, and the line of each record."""
-        rows = self._take(element)
-        table, sample = [], list[str]()
-        for line, parts in rows:
+        table, lines, digits = array("d"), array("q"), Digits()
+        for line, parts in self._take(element):
             values = self._split(element, line, parts)
-            table.append([number(values[name][0], self._file, line) for name in names])
-            sample += [values[name][0] for name in names[:3]] if len(sample) < SAMPLE else []
-        self._step = decimal_step(sample)
+            table.extend([number(values[name][0], self._file, line) for name in names])
+            digits.look([values[name][0] for name in names[:3]])
+            lines.append(line)
+        self._step = digits.step
         columns = np.array(table, dtype=np.float64).reshape(-1, len(names))
-        lines = np.array([line for line, _ in rows], dtype=np.int64)
-        return [columns[:, i] for i in range(len(names))], lines
+        return [columns[:, i] for i in range(len(names))], np.array(lines, dtype=np.int64)
 
     def step(self, code: str, points: Floats) -> float:
         """To what the coordinates are rounded: the last digit of the text."""
@@ -88,22 +89,22 @@ class TextBody:
 
     def lists(self, element: Element, name: str) -> tuple[Ints, Ints, Ints | None]:
         """All values of a list property, the length of each list, the line of each record."""
-        rows = self._take(element)
-        flat, sizes = [], []
-        for line, parts in rows:
+        rows = Rows(self._file)
+        for line, parts in self._take(element):
             tokens = self._split(element, line, parts)[name]
-            flat += [integer(token, self._file, line) for token in tokens]
-            sizes.append(len(tokens))
-        lines = np.array([line for line, _ in rows], dtype=np.int64)
-        return np.array(flat, dtype=np.int64), np.array(sizes, dtype=np.int64), lines
+            rows.face([integer(token, self._file, line) for token in tokens], line)
+        flat, sizes, lines = rows.corners, rows.sizes, rows.face_lines
+        whole = np.int64
+        return np.array(flat, whole), np.array(sizes, whole), np.array(lines, whole)
 
     def skip(self, element: Element) -> None:
         """Pass over an element."""
-        self._take(element)
+        for _ in self._take(element):
+            pass
 
     def rest(self) -> bool:
         """Whether something follows."""
-        return self._at < len(self._rows)
+        return next(self._rows, None) is not None
 
 
 class BinaryBody:

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ddgfab.errors import MeshError
+from ddgfab.io.tokens import number
 from ddgfab.mesh import Floats, Ints
+
+LIMIT_ELEMENTS = 500_000
+"""A file with more vertices or more faces is refused, whatever its size in bytes."""
+
+CORNERS = 4
+"""All faces together may have so many times as many corners."""
 
 SAMPLE = 4000
 """Coordinates looked at for the digits of a text file; even a file of few digits shows them."""
@@ -55,30 +63,119 @@ class RawMesh:
     @staticmethod
     def of(
         file: str,
-        points: Sequence[Sequence[float]],
-        faces: Sequence[Sequence[int]],
-        point_lines: Sequence[int],
-        face_lines: Sequence[int],
+        rows: Rows,
         notes: list[str],
         *,
-        step: float = 0.0,
         units: str | None = None,
         axes: Floats | None = None,
     ) -> RawMesh:
-        """Raw mesh from Python lists."""
-        flat = [index for face in faces for index in face]
+        """Raw mesh of what was read line by line."""
         return RawMesh(
             file,
-            np.array(points, dtype=np.float64).reshape(-1, 3),
-            np.array(flat, dtype=np.int64),
-            np.array([len(face) for face in faces], dtype=np.int64),
-            np.array(point_lines, dtype=np.int64),
-            np.array(face_lines, dtype=np.int64),
+            np.array(rows.points, dtype=np.float64).reshape(-1, 3),
+            np.array(rows.corners, dtype=np.int64),
+            np.array(rows.sizes, dtype=np.int64),
+            np.array(rows.point_lines, dtype=np.int64),
+            np.array(rows.face_lines, dtype=np.int64),
             notes,
-            step,
+            rows.digits.step,
             units,
             axes,
         )
+
+
+def check_count(count: int, what: str, file: str, line: int | None = None) -> None:
+    """Raise where a file holds, or says that it holds, more of something than is read.
+
+    Raises
+    ------
+    MeshError
+        Names the limit (`LIMIT_ELEMENTS`).
+    """
+    if count > LIMIT_ELEMENTS:
+        raise MeshError(
+            f"has more {what} than are read: the limit is {LIMIT_ELEMENTS}\n"
+            "simplify the mesh, or read it in parts",
+            file=file,
+            line=line,
+        )
+
+
+class Digits:
+    """To what the coordinates of a text file are rounded, from a sample over the whole of it.
+
+    Every row is taken, then every second, every fourth, ... so that about `SAMPLE` numbers stay.
+    """
+
+    def __init__(self) -> None:
+        self._rows: list[list[str]] = []
+        self._seen = 0
+        self._every = 1
+
+    def look(self, tokens: list[str]) -> None:
+        """The coordinates of a vertex as they stand in the file."""
+        if self._seen % self._every == 0:
+            self._rows.append(tokens)
+            if 3 * len(self._rows) > 2 * SAMPLE:
+                del self._rows[1::2]
+                self._every *= 2
+        self._seen += 1
+
+    @property
+    def step(self) -> float:
+        """The place of the last digit (`decimal_step`)."""
+        return decimal_step(token for row in self._rows for token in row)
+
+
+@dataclass
+class Rows:
+    """Vertices and faces of a text file while it is read, in arrays that grow."""
+
+    file: str
+    points: array[float] = field(default_factory=lambda: array("d"))
+    corners: array[int] = field(default_factory=lambda: array("q"))
+    sizes: array[int] = field(default_factory=lambda: array("q"))
+    point_lines: array[int] = field(default_factory=lambda: array("q"))
+    face_lines: array[int] = field(default_factory=lambda: array("q"))
+    digits: Digits = field(default_factory=Digits)
+
+    def vertex(self, tokens: list[str], line: int, per: int = 1) -> None:
+        """A vertex from its three tokens; `per` times as many as usual may come.
+
+        Raises
+        ------
+        MeshError
+            A token that is no finite number, or one vertex too many.
+        """
+        file = self.file
+        x, y, z = tokens
+        self.points.extend((number(x, file, line), number(y, file, line), number(z, file, line)))
+        self.digits.look(tokens)
+        self.point_lines.append(line)
+        if len(self.point_lines) > per * LIMIT_ELEMENTS:
+            what = "vertices" if per == 1 else "faces"
+            check_count(len(self.point_lines) // per + 1, what, file, line)
+
+    def face(self, corners: Sequence[int], line: int) -> None:
+        """A face from its vertex ids.
+
+        Raises
+        ------
+        MeshError
+            One face or corner too many.
+        """
+        self.corners.extend(corners)
+        self.sizes.append(len(corners))
+        self.face_lines.append(line)
+        if len(self.sizes) > LIMIT_ELEMENTS:
+            check_count(len(self.sizes), "faces", self.file, line)
+        if len(self.corners) > CORNERS * LIMIT_ELEMENTS:
+            raise MeshError(
+                f"has more corners of faces than are read: the limit is "
+                f"{CORNERS * LIMIT_ELEMENTS}\nsimplify the mesh, or read it in parts",
+                file=self.file,
+                line=line,
+            )
 
 
 def decimal_step(tokens: Iterable[str]) -> float:

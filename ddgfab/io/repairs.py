@@ -56,7 +56,8 @@ def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, RawMesh, lis
     check_folded(raw, mesh)
     if flipped:
         notes.append(f"flipped {_count(flipped, 'face', 'faces')} to agree with their neighbours")
-    check_junctions(raw, mesh)
+    unchecked = check_junctions(raw, mesh)
+    notes += [unchecked] if unchecked else []
     split = mesh.split_vertices
     if len(split):
         raise raw.fail(
@@ -65,6 +66,12 @@ def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, RawMesh, lis
         )
     notes += _describe(mesh)
     return mesh, raw, notes
+
+
+def _some(ids: Ints, most: int = 6) -> str:
+    """The first ids, and how many there are more."""
+    more = len(ids) - most
+    return ", ".join(map(str, ids[:most].tolist())) + (f" and {more} more" if more > 0 else "")
 
 
 def _count(number: int, one: str, many: str) -> str:
@@ -215,7 +222,7 @@ def _check_edges(raw: RawMesh, mesh: Mesh, order: Ints, ranked: Ints) -> None:
         faces = mesh.corner_face[corners]
         a, b = sorted(mesh.edges[mesh.corner_edge[corners[0]]].tolist())
         raise raw.fail(
-            f"edge {a}-{b} is not manifold: faces {', '.join(map(str, faces.tolist()))} meet "
+            f"edge {a}-{b} is not manifold: faces {_some(faces)} meet "
             f"there; two at most are allowed{overlapping(mesh, int(corners[0]), faces)}",
             face=int(faces[-1]),
         )

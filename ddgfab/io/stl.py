@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ddgfab.errors import MeshError
-from ddgfab.io.raw import SAMPLE, RawMesh, binary_step, decimal_step
-from ddgfab.io.tokens import decode, number
+from ddgfab.io.near import labeled
+from ddgfab.io.raw import RawMesh, Rows, binary_step, check_count
+from ddgfab.io.tokens import decode, numbered
 from ddgfab.mesh import Floats, Ints
 
 _HEADER = 84
@@ -26,6 +27,7 @@ def parse_stl(data: bytes, file: str) -> RawMesh:
     if len(data) >= _HEADER:
         count = int(np.frombuffer(data, "<u4", 1, 80)[0])
         if len(data) == _HEADER + count * _RECORD.itemsize:
+            check_count(count, "triangles", file)
             table = np.frombuffer(data, _RECORD, count, _HEADER)
             points = table["points"].astype(np.float64).reshape(-1, 3)
             return _of(file, points, None, binary_step(points, "<f4"))
@@ -36,9 +38,9 @@ def parse_stl(data: bytes, file: str) -> RawMesh:
             f"triangles has {_HEADER + stated * _RECORD.itemsize} bytes, not {len(data)}",
             file=file,
         )
-    rows, lines, sample = [], [], list[str]()
+    rows = Rows(file)
     text = decode(data, file)
-    for line, content in enumerate(text.split("\n"), start=1):
+    for line, content in numbered(text):
         parts = content.split()
         if parts and parts[0].lower() == "vertex":
             if len(parts) != 4:
@@ -47,25 +49,24 @@ def parse_stl(data: bytes, file: str) -> RawMesh:
                     file=file,
                     line=line,
                 )
-            rows.append([number(token, file, line) for token in parts[1:]])
-            lines.append(line)
-            sample += parts[1:] if len(sample) < SAMPLE else []
-    if len(rows) % 3 or "endsolid" not in text.lower():
+            rows.vertex(parts[1:], line, per=3)
+    lines = np.array(rows.point_lines, dtype=np.int64)
+    if len(lines) % 3 or "endsolid" not in text.lower():
         raise MeshError(
-            f"truncated: {len(rows)} corners are there, and "
-            f"{'three make a triangle' if len(rows) % 3 else 'endsolid is missing'}",
+            f"truncated: {len(lines)} corners are there, and "
+            f"{'three make a triangle' if len(lines) % 3 else 'endsolid is missing'}",
             file=file,
-            line=lines[-1] if lines else None,
+            line=int(lines[-1]) if len(lines) else None,
         )
-    points = np.array(rows, dtype=np.float64).reshape(-1, 3)
-    return _of(file, points, np.array(lines, dtype=np.int64), decimal_step(sample))
+    points = np.array(rows.points, dtype=np.float64).reshape(-1, 3)
+    return _of(file, points, lines, rows.digits.step)
 
 
 def _of(file: str, points: Floats, lines: Ints | None, step: float) -> RawMesh:
     """Vertices at equal coordinates are one; ids in the order of the file."""
     if not len(points):
         raise MeshError("holds no triangles", file=file)
-    first, label = np.unique(points, axis=0, return_index=True, return_inverse=True)[1:]
+    first, label = labeled(points)
     order = np.argsort(first, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
@@ -73,7 +74,7 @@ def _of(file: str, points: Floats, lines: Ints | None, step: float) -> RawMesh:
     return RawMesh(
         file,
         points[keep],
-        rank[label.reshape(-1)].astype(np.int64),
+        rank[label],
         np.full(len(points) // 3, 3, dtype=np.int64),
         None if lines is None else lines[keep],
         None if lines is None else lines[::3],

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterator
 
 from ddgfab.errors import MeshError, clipped
 
@@ -27,6 +29,26 @@ def decode(data: bytes, file: str, lines_before: int = 0) -> str:
     # Names in old files are Latin-1 as often as UTF-8; only ASCII matters for the mesh.
     text = data.decode("utf-8", errors="replace")
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+_LINE = re.compile(r"\S[^\n]*")
+
+
+def numbered(text: str) -> Iterator[tuple[int, str]]:
+    """Number (from 1) and content of each line that is not blank, one after the other."""
+    line, at = 1, 0
+    for found in _LINE.finditer(text):
+        line += text.count("\n", at, found.start())
+        at = found.start()
+        yield line, found[0]
+
+
+def token_rows(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Number and words of each line that holds more than a comment (#)."""
+    for line, content in numbered(text):
+        parts = content.partition("#")[0].split()
+        if parts:
+            yield line, parts
 
 
 def number(token: str, file: str, line: int) -> float:

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ddgfab.io.near import near_pairs
 from ddgfab.io.raw import RawMesh
-from ddgfab.mesh import Floats, Ints, extent
+from ddgfab.mesh import Ints, extent
 from ddgfab.tolerances import WELD_COARSE, WELD_FINE, WELD_STEPS
 
-_SWEEP = np.array([0.5773, 0.2113, 0.7887])  # a direction no grid is perpendicular to
 HALVINGS = 30
 """The default distance is halved at most so often until no face collapses."""
 
@@ -187,63 +187,3 @@ def without_unused(raw: RawMesh) -> RawMesh:
         point_lines=None if raw.point_lines is None else raw.point_lines[keep],
         axes=None if raw.axes is None else raw.axes[keep],
     )
-
-
-def near_pairs(points: Floats, distance: float) -> Ints:
-    """(k, 2) pairs whose chains join all points nearer than a distance.
-
-    A sweep along a direction in general position, then the true distance: few points are that
-    near along it, so the work is almost linear; unlike a k-d tree it needs no further import.
-    Of many points in a place `_few` are compared, so that a crowd costs no square of its size.
-    """
-    first, copy = _crowds(points, distance)
-    pairs = [np.stack([copy, first[copy]], axis=1)]
-    left = np.flatnonzero(first == np.arange(len(points)))
-    along = points[left] @ (_SWEEP / np.linalg.norm(_SWEEP))
-    order = left[np.argsort(along, kind="stable")]
-    ranked = np.sort(along)
-    live = np.arange(len(order))
-    for step in range(1, len(order)):
-        live = live[live + step < len(order)]
-        live = live[ranked[live + step] - ranked[live] <= distance]
-        if not len(live):
-            break
-        a, b = order[live], order[live + step]
-        near = np.linalg.norm(points[a] - points[b], axis=1) <= distance
-        pairs.append(np.stack([a[near], b[near]], axis=1))
-    return np.concatenate(pairs)
-
-
-CROWD = 16
-"""Of more points in a place than this, only the outermost are compared with others."""
-
-
-def _crowds(points: Floats, distance: float) -> tuple[Ints, Ints]:
-    """For each point another one near it that stands for it, and the points that are stood for.
-
-    Points at equal coordinates have one representative. Of a crowd in a cube of the distance's
-    diagonal, those between the outermost in 13 directions are represented by one of them.
-    """
-    first, label = np.unique(points, axis=0, return_index=True, return_inverse=True)[1:]
-    stands = first[label.reshape(-1)].astype(np.int64)
-    cells = np.floor(points[first] * (np.sqrt(3.0) / distance))
-    _, cell, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
-    crowded = np.flatnonzero(count > CROWD)
-    if len(crowded):
-        cell = cell.reshape(-1)
-        inside = np.flatnonzero(np.isin(cell, crowded))
-        inside = inside[np.argsort(cell[inside], kind="stable")]
-        for members in np.split(first[inside], np.cumsum(count[crowded])[:-1]):
-            reach = points[members] @ _DIRECTIONS.T
-            outer = np.unique(np.concatenate([reach.argmax(axis=0), reach.argmin(axis=0)]))
-            inner = np.setdiff1d(np.arange(len(members)), outer)
-            # The outermost stay apart as points; one of them stands for all the others.
-            stands[members[inner]] = members[outer[0]]
-        stands = stands[stands]
-    return stands, np.flatnonzero(stands != np.arange(len(points)))
-
-
-_DIRECTIONS = np.array(
-    [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)][:13], dtype=np.float64
-)
-"""Half of the directions to the neighbours of a cube."""

@@ -11,12 +11,15 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ddgfab.errors import MeshError
-from ddgfab.io.weld import near_pairs
+from ddgfab.io.near import CHUNK, near_pairs
 from ddgfab.mesh import Floats, Ints, unit
 from ddgfab.tolerances import WELD_COARSE
 
 NEAR_ENDS = 1e-5
 """Ends of lines nearer than this part of the net's size are one point."""
+
+PAIRS = 100_000_000
+"""Lines that leave more pairs than this to compare are refused."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +38,16 @@ class Wires:
     wire: Ints
 
     @staticmethod
-    def of(points: Floats, wires: Sequence[Sequence[int]], step: float) -> Wires:
+    def of(points: Floats, wires: Sequence[Sequence[int]], step: float, file: str) -> Wires:
         """Bars of polylines; ends nearer than the file's digits (or `NEAR_ENDS`) become one."""
         pairs = np.array([pair for w in wires for pair in pairwise(w)])
         owner = np.repeat(np.arange(len(wires)), [len(w) - 1 for w in wires])
         if pairs.max(initial=0) >= len(points):
-            raise MeshError(f"a line names vertex {pairs.max()}; there are {len(points)}")
+            raise MeshError(
+                f"a line 'l' names vertex {pairs.max()} (counting from 0); the file has "
+                f"{len(points)} vertices",
+                file=file,
+            )
         used = np.unique(pairs)
         size = float(np.linalg.norm(points[used] - points[used].mean(axis=0), axis=1).max())
         near = near_pairs(points[used], min(max(2.5 * step, NEAR_ENDS * size), WELD_COARSE * size))
@@ -90,7 +97,7 @@ def faces_of_wires(
     pieces = connected_components(graph, directed=False)[0] - (len(flat) - count)
     outside = sum(value <= 0 for value in area)
     simple = all(len(set(loop)) == len(loop) for loop, a in zip(loops, area, strict=True) if a > 0)
-    crossing = _crossing(flat, bars)
+    crossing = _crossing(flat, bars, file)
     if crossing is not None:
         a, b = (lines[int(wire[i])] for i in crossing)
         raise MeshError(
@@ -168,24 +175,47 @@ def _area(loop: Floats) -> float:
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
-def _crossing(flat: Floats, bars: Ints) -> tuple[int, int] | None:
-    """Two bars that cross between their ends, or None. A sweep along x keeps the pairs few."""
+def _crossing(flat: Floats, bars: Ints, file: str) -> tuple[int, int] | None:
+    """Two bars that cross between their ends, or None. A sweep keeps the pairs few.
+
+    Raises
+    ------
+    MeshError
+        More pairs to compare than `PAIRS`.
+    """
     p, q = flat[bars[:, 0]], flat[bars[:, 1]]
     low, high = np.minimum(p, q), np.maximum(p, q)
-    order = np.argsort(low[:, 0], kind="stable")
-    last = np.searchsorted(low[order, 0], high[order, 0], side="right")
-    for rank, i in enumerate(order.tolist()):
-        others = order[rank + 1 : last[rank]]
-        others = others[(low[others, 1] <= high[i, 1]) & (high[others, 1] >= low[i, 1])]
-        others = others[~np.isin(bars[others], bars[i]).any(axis=1)]
-        if not len(others):
-            continue
-        a, b, c, d = p[i], q[i], p[others], q[others]
-        one = _side(a, b, c) * _side(a, b, d)
-        two = _side(c, d, a) * _side(c, d, b)
-        hit = np.flatnonzero((one < 0) & (two < 0))
+    orders = np.argsort(low, axis=0, kind="stable").T
+    lasts = [
+        np.searchsorted(low[order, k], high[order, k], side="right")
+        for k, order in enumerate(orders)
+    ]
+    counts = [last - np.arange(1, len(bars) + 1) for last in lasts]
+    k = int(counts[1].sum() < counts[0].sum())
+    order, count = orders[k], counts[k]
+    if count.sum() > PAIRS:
+        raise MeshError(
+            f"the mesh has no faces, and its {len(bars)} lines are too many to find out which "
+            f"they bound ({count.sum()} pairs to compare, the limit is {PAIRS}): export a mesh of "
+            "polygons",
+            file=file,
+        )
+    every = np.cumsum(count)
+    cuts = np.searchsorted(every, np.arange(CHUNK, int(every[-1]), CHUNK), side="right")
+    for part in np.split(np.arange(len(bars)), np.unique(cuts)):
+        one = np.repeat(part, count[part])
+        other = np.arange(len(one)) - np.repeat(np.cumsum(count[part]) - count[part], count[part])
+        i, j = order[one], order[one + 1 + other]
+        apart = (low[i] > high[j]) | (low[j] > high[i])
+        joined = (bars[i][:, :, None] == bars[j][:, None, :]).any(axis=(1, 2))
+        close = ~(apart.any(axis=1) | joined)
+        i, j = i[close], j[close]
+        a, b, c, d = p[i], q[i], p[j], q[j]
+        one_side = _side(a, b, c) * _side(a, b, d)
+        other_side = _side(c, d, a) * _side(c, d, b)
+        hit = np.flatnonzero((one_side < 0) & (other_side < 0))
         if len(hit):
-            return int(i), int(others[hit[0]])
+            return int(i[hit[0]]), int(j[hit[0]])
     return None
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 _QUAD = 4
+
+SPANS: Final = 100
+"""Diagonals over so many numbers of sides make the mean of a polygon with very many corners."""
 
 
 def _by_size(mesh: Mesh) -> Iterator[tuple[Ints, Floats]]:
@@ -52,7 +56,7 @@ def planarity_percent(mesh: Mesh) -> Floats:
     Quads: distance between the diagonals (as lines) over their mean length. Parallel diagonals lie
     in one plane, so they give 0. Faces with more corners: how far the corners spread across the
     plane of least squares (greatest minus least signed distance) over the mean length of all
-    diagonals; for a parallelogram-like quad both values agree.
+    diagonals (of a sample, above 200 corners); for a parallelogram-like quad both values agree.
 
     Returns
     -------
@@ -72,19 +76,37 @@ def planarity_percent(mesh: Mesh) -> Floats:
     result = np.zeros(mesh.n_faces)
     for ids, points in _by_size(mesh):
         size = points.shape[1]
-        a, b = np.triu_indices(size, 2)
-        a, b = a[(a > 0) | (b < size - 1)], b[(a > 0) | (b < size - 1)]  # 0 and last share a side
-        lengths = np.linalg.norm(points[:, a] - points[:, b], axis=2)
         if size == _QUAD:
             first, second = points[:, 2] - points[:, 0], points[:, 3] - points[:, 1]
             normal = np.cross(first, second)
             sine = np.linalg.norm(normal, axis=1)
             gap = np.abs(np.einsum("ij,ij->i", points[:, 1] - points[:, 0], unit(normal)))
-            gap[sine <= RELATIVE_DEGENERATE * lengths.prod(axis=1)] = 0.0
+            long = np.linalg.norm(first, axis=1) * np.linalg.norm(second, axis=1)
+            gap[sine <= RELATIVE_DEGENERATE * long] = 0.0
         else:
             gap = np.ptp(_heights(points), axis=1)
-        result[ids] = 100.0 * gap / lengths.mean(axis=1)
+        result[ids] = 100.0 * gap / _mean_diagonal(points)
     return result
+
+
+def _mean_diagonal(points: Floats) -> Floats:
+    """(n,) mean length of the diagonals of (n, k, 3) polygons; k of 4 or more.
+
+    Of polygons with more than 2 `SPANS` corners only some diagonals count: those over so many
+    numbers of sides, evenly spread, from every corner.
+    """
+    size = points.shape[1]
+    spans = np.arange(2, size // 2 + 1)
+    if len(spans) > SPANS:
+        spans = np.unique(np.linspace(2, size // 2, SPANS).astype(np.int64))
+    total, weight = np.zeros(len(points)), 0.0
+    for span in spans.tolist():
+        share = 0.5 if 2 * span == size else 1.0  # each of these is met from both its ends
+        ways = np.roll(points, -span, axis=1) - points
+        total += share * np.linalg.norm(ways, axis=2).sum(axis=1)
+        weight += share * size
+    mean: Floats = total / weight
+    return mean
 
 
 @checked
