@@ -66,6 +66,7 @@ def linkage_command(
     Settings are those of a project file; `ddgfab init --linkage` writes one with all of them.
     """
     with session(debug, quiet, verbose) as run:
+        run.progress("project", 0, 0)
         from fabrication.cli.changes import comma_list, put, sections_of
         from fabrication.cli.jobs import JobOptions, run_job
         from fabrication.linkage.kit import detail_kit, find_kit_project

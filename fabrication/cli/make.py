@@ -68,6 +68,7 @@ def make_command(
     Settings are those of a project file; `ddgfab init` writes one with all of them.
     """
     with session(debug, quiet, verbose) as run:
+        run.progress("project", 0, 0)
         from fabrication.cli.changes import comma_list, put, sections_of
         from fabrication.cli.jobs import JobOptions, run_job
         from fabrication.gridshell.design import design_net, find_project, load_net
@@ -78,10 +79,15 @@ def make_command(
         put(sections, "net", up=up, flip=flip or None, quads=quads or None, weld_mm=weld)
         put(sections, "checks", verify=verify)
         project = find_project(source, sections)
+
+        def design() -> Design:
+            run.progress("net", 0, 0)
+            return design_net(project, load_net(project), run.progress)
+
         code = run_job(
             run,
             project,
-            lambda: design_net(project, load_net(project), run.progress),
+            design,
             _about,
             JobOptions(output, anyway, dry_run),
         )

@@ -93,6 +93,7 @@ def optimize_command(
     from ddgfab.errors import OptimizeError
 
     with session(debug, quiet, verbose) as run:
+        run.progress("mesh", 0, 0)
         from ddgfab.io import check_target
         from ddgfab.io.atomic import atomic_path
         from ddgfab.optimize import TorsionFreeResult

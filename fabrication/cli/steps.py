@@ -94,11 +94,18 @@ class _Bars:
         if step != self._live:
             self._finish(_DONE)
             self._live = step
-            if step in self._tasks:  # it goes on
-                self._progress.reset(self._tasks[step], state=_LIVE)
-            else:
-                self._tasks[step] = self._progress.add_task(step, total=None, state=_LIVE)
+            self._begin(step)
         self._progress.update(self._tasks[step], completed=done, total=of or None)
+
+    def _begin(self, step: str) -> None:
+        """Start the clock of a step, or let it go on."""
+        if step not in self._tasks:
+            self._tasks[step] = self._progress.add_task(step, total=None, state=_LIVE)
+            return
+        task = next(task for task in self._progress.tasks if task.id == self._tasks[step])
+        before = task.elapsed or 0.0
+        self._progress.reset(task.id, state=_LIVE)
+        task.start_time = self._progress.get_time() - before
 
     def _finish(self, state: str) -> None:
         if self._live is None:
@@ -150,8 +157,8 @@ def _columns(console: Any) -> list[Any]:
 
     return [
         State("dots" if unicode else "line"),
-        TextColumn("{task.description:24}"),
-        BarColumn(24),
+        TextColumn("{task.description:20}"),
+        BarColumn(16),
         Count(),
         Clock(),
     ]

@@ -13,7 +13,12 @@ from typing import Any, Protocol
 
 
 class Workers(Protocol):
-    """What a job needs of its workers: the interface of `concurrent.futures`, and a hard stop."""
+    """What a job needs of its workers: the interface of `concurrent.futures`, and a hard stop.
+
+    at_once : whether a call is over when `submit` comes back
+    """
+
+    at_once: bool
 
     def submit(self, fn: Callable[..., Any], /, *args: Any) -> Future[Any]:
         """Start a call."""
@@ -50,6 +55,8 @@ def worker_pool(jobs: int, *, kernel: bool = True) -> Iterator[Workers]:
 class _Processes(ProcessPoolExecutor):
     """A pool whose workers start at once, leave Ctrl-C to this process and end with it."""
 
+    at_once = False
+
     def __init__(self, count: int, kernel: bool) -> None:
         self._others = active_children()
         super().__init__(
@@ -73,6 +80,8 @@ class _Processes(ProcessPoolExecutor):
 
 class _Here:
     """Works at once in this process."""
+
+    at_once = True
 
     def submit(self, fn: Callable[..., Any], /, *args: Any) -> Future[Any]:
         future: Future[Any] = Future()

@@ -161,7 +161,7 @@ class _Job:
         with self._timed("parts"):
             self._make()
         tasks = _batches(self._sample())
-        reading = [self.pool.submit(read_back, t, self.shop) for t in tasks[: len(tasks) // 3]]
+        reading = self._read_back(tasks, 0, len(tasks) // 3)
         with self._timed("clearances"):
             self.tell("clearances", 0, 0)
             meshes = {number: part.mesh for number, part in self.parts.items()}
@@ -169,7 +169,7 @@ class _Job:
         failed = self._failed()
         whole = self._whole(failed)
         writing = self._write(whole)
-        reading += [self.pool.submit(read_back, t, self.shop) for t in tasks[len(tasks) // 3 :]]
+        reading += self._read_back(tasks, len(tasks) // 3, len(tasks))
         with self._timed("files of the product"):
             extra = self.product.checks()
             self.warnings += self.product.write_extra(self.shop.folder)
@@ -191,7 +191,13 @@ class _Job:
         orders = [(family, self.product.material(family.role)) for family in families]
         for _, path in self.shop.files("any"):
             path.parent.mkdir(parents=True, exist_ok=True)
-        futures = [self.pool.submit(make_parts, batch, self.shop) for batch in _batches(orders)]
+        self.tell("parts", 0, len(orders))
+        futures, begun = [], 0
+        for batch in _batches(orders):
+            futures.append(self.pool.submit(make_parts, batch, self.shop))
+            begun += len(batch)
+            if self.pool.at_once:
+                self.tell("parts", begun, len(orders))
         for future in futures:
             made: list[Made] = future.result()
             for one in made:
@@ -204,6 +210,17 @@ class _Job:
         """The parts whose files are read back."""
         every = {"all": 1, "sample": SAMPLE, "none": 0}[self.product.verify]
         return list(self.parts.values())[::every] if every else []
+
+    def _read_back(
+        self, tasks: Sequence[Sequence[Part]], first: int, last: int
+    ) -> list[Future[Any]]:
+        """Start reading files back."""
+        reading = []
+        for done, task in enumerate(tasks[first:last], first):
+            if self.pool.at_once:
+                self.tell("read back", done, len(tasks))
+            reading.append(self.pool.submit(read_back, task, self.shop))
+        return reading
 
     def _collect(self, reading: Sequence[Future[Any]]) -> None:
         """Wait for part files read back."""
@@ -261,6 +278,8 @@ class _Job:
     def _write(self, whole: Whole) -> list[Future[Any]]:
         """Start writing the files of the whole, but for reports, and the preview."""
         verify = self.product.verify != "none"
+        if self.pool.at_once:
+            self.tell("files of the whole", 0, 0)
         return [
             *(
                 self.pool.submit(write_whole, format, self.shop.folder, whole, verify)

@@ -87,5 +87,6 @@ def _no_levels(linkage: Linkage, clash: Clash) -> DetailError:
     return DetailError(
         f"no levels keep all parts apart in the design pose: {first} and {second} are "
         f"{clash.gap:.3g} mm apart; limit {clash.limit:g} mm.\n"
-        f"Take another design pose, longer or slimmer bars, or smaller eyes"
+        "Take another design pose, longer or slimmer bars, smaller eyes, or smaller twists "
+        "([linkage] deltas_deg of a K-net)"
     )

@@ -28,6 +28,13 @@ Count = Annotated[int, Field(ge=1, le=100)]
 MADE: Final = ("surface", "parameters", "cells", "deltas_deg")
 """What a K-net is made from; a file has its own."""
 
+TWIST_DEG: Final = 20.0
+"""Twist [deg] of the bars of a K-net of few cells where none is given."""
+
+TURN_DEG: Final = 60.0
+"""Twists [deg] of a row of bars together, where none are given: nets that turn further meet
+themselves at the angles of their design pose."""
+
 BENNETT_BETA_DEG: Final = 70.0
 """Second twist [deg] of a Bennett linkage when neither b nor beta is given."""
 
@@ -104,7 +111,9 @@ class KNetLinkage(Section):
     parameters : the surface's own numbers: { corner_deg, turn_0_deg, turn_1_deg }, { angle_deg }
         between the straight lines, { psi_deg } and { sigma_deg, psi_deg } (90 at the rim), { tau,
         phase_deg }, { shift }; they also choose the part of the surface
-    cells, deltas_deg : of a surface: number of cells in both directions, twists of their bars
+    cells : of a surface: number of cells in both directions
+    deltas_deg : of a surface: twists of the bars in both directions; none: 20, and where there are
+        more than three cells less, 60 through all of them, so that the net does not meet itself
     longest_mm : length of the longest bars; all are scaled
     anchor : vertex of the driving angle; by default the one in the middle
     path : "locked" keeps the turns of the two lines through the anchor and moves the angle between
@@ -117,7 +126,7 @@ class KNetLinkage(Section):
     surface: str = "cauchy"
     parameters: dict[str, Finite] = Field(default_factory=dict)
     cells: tuple[Count, Count] = Field(default=(3, 3), strict=False)
-    deltas_deg: tuple[Twist, Twist] = Field(default=(20.0, 20.0), strict=False)
+    deltas_deg: tuple[Twist, Twist] | None = Field(default=None, strict=False)
     longest_mm: Positive = 80.0
     anchor: tuple[Index, Index] | None = Field(default=None, strict=False)
     path: Literal["locked", "fold"] = "locked"
@@ -136,6 +145,12 @@ class KNetLinkage(Section):
             raise ValueError("patch is for file")
         check_numbers(self.surface, self.parameters)
         return self
+
+    @property
+    def twists_deg(self) -> tuple[float, float]:
+        """Twists [deg] of the bars in both directions of a surface."""
+        twist = min(TWIST_DEG, TURN_DEG / max(self.cells))
+        return self.deltas_deg or (twist, twist)
 
     def mechanism(self, folder: Path | None = None) -> Mechanism:
         """The mechanism; a file is looked for from `folder`.
@@ -157,7 +172,7 @@ class KNetLinkage(Section):
         if self.file is None:
             alphas, betas = (
                 np.full(count, np.radians(delta))
-                for count, delta in zip(self.cells, self.deltas_deg, strict=True)
+                for count, delta in zip(self.cells, self.twists_deg, strict=True)
             )
             return surface_net(self.surface, alphas, betas, self.parameters)
         path = self.file if folder is None else folder / self.file
