@@ -1,8 +1,9 @@
 """What planar faces will cost, before solving: one linear system at the mesh as it is.
 
 The movement dx that would meet the linearized equations at least energy. Its part along the normal
-is what the surface will be left by, its stretch of edges tells whether the edges follow conjugate
-directions: where they do not, no small movement makes faces planar.
+is what the surface will be left by: edges that can turn in the surface until they follow conjugate
+directions leave it by little, the others by a tenth of an edge or more, and then they crease or
+flatten it.
 
 Source: mathematics.md 1.3: planar quads are conjugate nets.
 """
@@ -23,10 +24,16 @@ from ddgfab.optimize.result import Forecast
 _STIFF: Final = 1e7
 _DAMPING: Final = 1e-8
 
-HARMLESS: Final = 0.4
-"""Below this stretch edges follow conjugate directions well enough."""
-CREASES: Final = 0.6
-"""Above this stretch creases or flattened parts are to be expected."""
+HARMLESS: Final = 0.06
+"""Below this mean distance [mean edges] edges follow conjugate directions well enough: all results
+measured were smooth."""
+CREASES: Final = 0.1
+"""Above this mean distance [mean edges] creases or flattened parts are to be expected."""
+
+
+def doubtful(forecast: Forecast) -> bool:
+    """Whether creases or flattened parts are to be expected, so that another net is better."""
+    return forecast.distance_mean > CREASES * forecast.unit
 
 
 def forecast_of(problem: Problem, unit: float, normals: Floats) -> Forecast:
@@ -60,15 +67,15 @@ def forecast_of(problem: Problem, unit: float, normals: Floats) -> Forecast:
 def forecast_text(forecast: Forecast, unit: str = "mm") -> str:
     """The forecast as one sentence."""
     distance = f"about {forecast.distance_mean:.3g} {unit} from the surface on average"
-    edges = f"{forecast.distance_mean / forecast.unit:.2f} mean edges"
-    if forecast.stretch < HARMLESS:
+    edges = f"{forecast.distance_mean / forecast.unit:.2g} mean edges"
+    if forecast.distance_mean < HARMLESS * forecast.unit:
         return f"planar faces: expect {distance} ({edges})"
-    if forecast.stretch <= CREASES:
+    if not doubtful(forecast):
         return (
             "planar faces: edges follow conjugate directions only roughly; expect "
             f"{distance} ({edges})"
         )
     return (
         f"planar faces: edges do not follow conjugate directions; expect {distance} ({edges}), "
-        "with creases or flattened parts"
+        "with creases or flattened parts; a traced net follows them (ddgfab trace)"
     )

@@ -14,7 +14,7 @@ from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.barriers import barriers
 from ddgfab.optimize.directions import TRACE, TRACE_REASON, other_way
 from ddgfab.optimize.energy import Keep, Weights, energy
-from ddgfab.optimize.forecast import forecast_of, forecast_text
+from ddgfab.optimize.forecast import doubtful, forecast_of, forecast_text
 from ddgfab.optimize.frame import Frame, element_ids
 from ddgfab.optimize.gauss_newton import Step
 from ddgfab.optimize.limits import Limits, ids
@@ -341,7 +341,7 @@ def _remarks(result: OptimizeResult) -> tuple[str, ...]:
             f"creases: one edge in a hundred bends {percentile:.0f} deg more or less than before; "
             "look at the picture"
         )
-    if result.forecast is not None and result.forecast.stretch > _STRETCHED:
+    if result.forecast is not None and doubtful(result.forecast):
         out.append(forecast_text(result.forecast, "mm").removeprefix("planar faces: "))
     return tuple(out)
 
@@ -350,7 +350,6 @@ _CLOSEST: Final = 0.1
 """What to keep where "close" is too far from the surface: shorter waves crease as well."""
 _CREASED_DEG: Final = 20.0
 """Changes of dihedral angles [deg] that people see."""
-_STRETCHED: Final = 0.6
 
 
 def _complaint(result: OptimizeResult, missed: Sequence[str]) -> str:

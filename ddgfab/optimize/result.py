@@ -39,10 +39,10 @@ class Forecast:
     ----------
     unit : mean edge
     distance_mean : expected mean distance from the surface, in the unit of the mesh; true within a
-        factor of about 1.6 on the meshes it was measured on
+        factor of two on the meshes it was measured on, above 0.1 mean edges with creases or
+        flattened parts
     movement_mean : expected mean movement, overestimated up to 2.5 times
-    stretch : greatest change of an edge over its length: below 0.4 harmless, above 0.6 creases
-        or flattened parts are to be expected
+    stretch : greatest change of an edge over its length, overestimated where vertices slide far
     """
 
     unit: float

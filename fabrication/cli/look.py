@@ -43,6 +43,7 @@ def inspect_command(
     with session(debug, quiet, verbose) as run:
         from ddgfab.io import unlikely_size
         from ddgfab.measures import inspect
+        from fabrication.gridshell.foresight import foreseen_record, foreseen_text
 
         read = Reading(units, scale, up, flip, quads, weld).read(mesh)
         report = inspect(read.mesh)
@@ -56,6 +57,7 @@ def inspect_command(
                 "units": read.units,
                 "origin_mm": read.origin.tolist(),
                 "notes": notes,
+                "planar_forecast": foreseen_record(read.mesh),
             }
             run.result(json.dumps({**record, **report.to_dict()}, indent=1))
             return
@@ -63,7 +65,8 @@ def inspect_command(
         run.detail(f"unit in the file: {read.units or 'not stated'}; {read.mesh!r}")
         for note in notes:
             run.say(f"note: {note}")
-        run.result(f"{read.file}: {report.kind}" if quiet else report.text())
+        text = [report.text(), foreseen_text(read.mesh)] if not quiet else []
+        run.result("\n".join(filter(None, text)) or f"{read.file}: {report.kind}")
 
 
 @app.command("check")

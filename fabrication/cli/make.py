@@ -95,7 +95,9 @@ def make_command(
 
 
 def _about(plan: Design) -> Iterator[str]:
-    """What [optimize] did, the sizes, the node axes."""
+    """What [optimize] did or would cost, the sizes, the node axes."""
+    from fabrication.gridshell.foresight import foreseen_text
+
     support = plan.support
     if plan.optimized is not None:
         moved = plan.optimized
@@ -105,6 +107,8 @@ def _about(plan: Design) -> Iterator[str]:
             f"{moved.change.distance_max:.1f} mm at most, {moved.change.distance_mean:.1f} mm on "
             "average (optimized.png)"
         )
+    elif foreseen := foreseen_text(plan.mesh):
+        yield foreseen
     yield repr(plan)
     yield (
         f"node axes ({support.kind}): torsion max {support.torsion_deg_max:.1e}, mean "

@@ -99,6 +99,7 @@ def optimize_command(
         from ddgfab.optimize import TorsionFreeResult
         from ddgfab.optimize.report import comparison, comparison_text
         from fabrication.cli.changes import put, sections_of, value_of
+        from fabrication.gridshell.foresight import foreseen_text
         from fabrication.gridshell.load import make_project
         from fabrication.gridshell.optimized import optimized_mesh
 
@@ -125,6 +126,8 @@ def optimize_command(
             near = reading.read(surface)
             reference = near.mesh.with_vertices(near.in_place.vertices - read.origin)
         _describe(run, settings)
+        if settings.goal == PLANAR and (foreseen := foreseen_text(read.mesh)):
+            run.say(foreseen)
         try:
             result = optimized_mesh(read.mesh, settings, run.progress, surface=reference)
         except OptimizeError as error:

@@ -79,7 +79,8 @@ def _rendered(pyvista: Any, change: Change, size: tuple[int, int]) -> bytes:
             plotter.camera.position = tuple(view.position)
             plotter.camera.focal_point = tuple(view.focus)
             plotter.camera.up = tuple(view.up)
-            plotter.camera.view_angle = view.field_deg * 1.15  # room for the scale
+            plotter.camera.view_angle = view.field_deg * 1.25  # room for the scale below
+            plotter.camera.SetWindowCenter(0.0, -0.1)
             plotter.reset_camera_clipping_range()
         return png(np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8))
     finally:
@@ -99,7 +100,8 @@ def _add_result(
         clim=(0.0, top if top > 0 else 1.0),
         scalar_bar_args={
             "color": "black",
-            "n_labels": 4,  # none below the title
+            "n_labels": 4,
+            "title": f"{title}\n ",  # an empty line between the title and the labels
             "fmt": "%.0f" if top >= _WHOLE_MM else "%.3g",
             "title_font_size": 20,
             "label_font_size": 20,

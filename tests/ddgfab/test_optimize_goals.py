@@ -27,6 +27,7 @@ from ddgfab.optimize import (
     optimize,
 )
 from ddgfab.optimize.directions import TRACE
+from ddgfab.optimize.forecast import HARMLESS, doubtful, forecast_text
 from ddgfab.optimize.report import comparison, comparison_text
 
 FLAT = 0.2
@@ -326,6 +327,19 @@ def test_the_forecast_is_right_within_a_factor(name: str) -> None:
     found = float(result.change.from_surface.mean())
     assert 0.5 < told.distance_mean / found < 2
     assert told == replace(told, distance_mean=result.forecast.distance_mean)  # type: ignore[union-attr]
+
+
+def test_the_forecast_tells_which_edges_can_turn_in_the_surface() -> None:
+    """A dome off its principal directions is only slid; waves are left, and a trace is advised."""
+    smooth, waves = expected(dome(12)), expected(roof(20, 12))
+    assert smooth is not None
+    assert waves is not None
+    assert smooth.distance_mean < HARMLESS * smooth.unit
+    assert not doubtful(smooth)
+    assert "conjugate" not in forecast_text(smooth)
+    assert doubtful(waves)
+    for part in ("do not follow conjugate directions", "ddgfab trace"):
+        assert part in forecast_text(waves)
 
 
 def test_no_forecast_for_planar_faces() -> None:

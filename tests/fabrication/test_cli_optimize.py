@@ -192,3 +192,34 @@ def test_the_next_command_reads_the_mesh_the_same_way() -> None:
     assert Reading().arguments() == []
     given = Reading("cm", 2.0, "-y", True, True, 0.5).arguments()
     assert " ".join(given) == "--units cm --scale 2 --up -y --flip --quads --weld 0.5"
+
+
+def test_inspect_and_optimize_say_what_planar_faces_will_cost(roof: Path, tmp_path: Path) -> None:
+    code, said = run("inspect", roof)
+    assert code == 0
+    (line,) = [line for line in said.splitlines() if line.startswith("planar faces: expect about")]
+    told = json.loads(run("inspect", roof, "--json")[1])["planar_forecast"]
+    assert told["text"] == line
+    assert 0 < told["distance_mean"] < 0.1 * told["unit"]
+    code, said = run("optimize", roof, "-o", tmp_path / "flat.obj", "--no-picture")
+    assert code == 0, said
+    assert line in said
+    code, said = run("inspect", tmp_path / "flat.obj")
+    assert "planar faces:" not in said
+    assert json.loads(run("inspect", tmp_path / "flat.obj", "--json")[1])["planar_forecast"] is None
+
+
+def test_crumpled_roofs_name_the_trace_with_the_unit_of_the_file(tmp_path: Path) -> None:
+    x, y = np.meshgrid(np.arange(21.0), np.arange(13.0), indexing="ij")
+    z = 1.5 * np.sin(np.pi * x / 5 + 0.5) * np.cos(np.pi * y / 6)
+    path = tmp_path / "waves.obj"
+    write_mesh(path, grid_mesh(np.stack([x, y, z], axis=-1)), units=None)
+    code, said = run("optimize", path, "--units", "m", "-o", tmp_path / "flat.obj", "--no-picture")
+    assert code == 1
+    assert "crumpled" in said
+    (line,) = [line for line in said.splitlines() if line.startswith("next: ")]
+    words = shlex.split(line.removeprefix("next: "))
+    assert words[:5] == ["ddgfab", "trace", str(path), "-o", "waves-net.obj"]
+    assert 1000 < float(words[words.index("--spacing") + 1]) < 1200
+    assert words[words.index("--units") + 1] == "m"
+    assert (tmp_path / "flat.missed.obj").exists()
