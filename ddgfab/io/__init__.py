@@ -12,6 +12,7 @@ import numpy as np
 from ddgfab.arguments import checked
 from ddgfab.errors import MeshError, OutputError
 from ddgfab.io.atomic import atomic_path, atomic_write
+from ddgfab.io.axes import own_axes, unit_axes
 from ddgfab.io.compas import parse_compas
 from ddgfab.io.load import LIMIT_BYTES, load_bytes, suffix_of, unknown_format
 from ddgfab.io.obj import parse_obj, write_obj
@@ -76,7 +77,7 @@ class ReadResult:
     vertices, faces : how many the file has (before unused and duplicated vertices went)
     units : unit that the file states in a comment, or None
     origin : (3,) what was subtracted from coordinates far from the origin, in the unit of the mesh
-    axes : (V, 3) unit node axes that the file carries, or None
+    axes : (V, 3) unit node axes that the file carries for just this geometry, or None
     """
 
     mesh: Mesh
@@ -143,7 +144,7 @@ def read_mesh(
     if parse is None:
         raise unknown_format(path, tuple(_PARSERS))
     data, digest = load_bytes(path, limit_bytes)
-    raw = parse(data, str(path))
+    raw = own_axes(parse(data, str(path)))
     if units is not None:
         asked = None if units == STATED else units
         scale = to_millimetres(asked, scale, raw.units, str(path))
@@ -153,7 +154,7 @@ def read_mesh(
     origin = local_origin(points[used]) if finite else np.zeros(3)
     placed = replace(raw, points=points - origin, step=raw.step * scale)
     mesh, repaired, notes = repair(placed, merge)
-    axes = _unit_axes(repaired.axes, up)
+    axes = unit_axes(repaired.axes, up)
     if origin.any():
         notes.append(
             "the mesh lies far from the origin: ({:.12g}, {:.12g}, {:.12g}) was subtracted from "
@@ -186,16 +187,6 @@ def read_mesh(
     )
 
 
-def _unit_axes(axes: Floats | None, up: str) -> Floats | None:
-    """Axes of length one, turned as the mesh; None where a vertex has none."""
-    if axes is None:
-        return None
-    length = np.linalg.norm(axes, axis=1)
-    if not (np.isfinite(length) & (length > 0)).all():
-        return None
-    return upright(axes / length[:, None], up)
-
-
 @checked
 def write_mesh(
     path: str | Path, mesh: Mesh, *, units: str | None = None, axes: Floats | None = None
@@ -205,7 +196,8 @@ def write_mesh(
     Parameters
     ----------
     units : unit of the coordinates, written as a comment that `read_mesh` understands
-    axes : (V, 3) node axes, written as vertex normals
+    axes : (V, 3) node axes, written as vertex normals, with a comment that says so and holds a
+        digest of the geometry: `read_mesh` takes them for no other
 
     Raises
     ------

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
+import re
 from typing import Final
 
 import numpy as np
 
 from ddgfab.errors import InputError
 from ddgfab.io.units import FACTORS
-from ddgfab.mesh import Floats, Mesh
+from ddgfab.mesh import Floats, Ints, Mesh
 
 AXES_NOTE: Final = "normals: node axes"
-"""Comment of files whose vertex normals are the axes of the nodes (ddgfab.support)."""
+"""Comment of files whose vertex normals are the axes of the nodes (ddgfab.support). A digest of
+the geometry follows it (`geometry_digest`): the axes are those of this mesh and of no other."""
+
+_STATED: Final = re.compile(re.escape(AXES_NOTE) + r"; geometry ([0-9a-f]{32})\b")
 
 HEAD: Final = 60
 """Comments are looked for in so many lines from the start."""
@@ -55,5 +60,30 @@ def header_lines(mesh: Mesh, units: str | None, axes: Floats | None) -> list[str
     if axes is not None:
         if np.shape(axes) != mesh.vertices.shape:
             raise InputError(f"axes have shape {np.shape(axes)}; expected {mesh.vertices.shape}")
-        lines.append(AXES_NOTE)
+        if not np.isfinite(axes).all() or not np.linalg.norm(axes, axis=1).all():
+            raise InputError("an axis has length 0 or a coordinate that is not finite")
+        digest = geometry_digest(mesh.vertices, mesh.corners, mesh.face_sizes)
+        lines.append(f"{AXES_NOTE}; geometry {digest}")
     return lines
+
+
+def geometry_digest(points: Floats, corners: Ints, sizes: Ints) -> str:
+    """32 digits that change when a coordinate, a face or the order of either changes.
+
+    Parameters
+    ----------
+    points : (V, 3) as the file has them, exactly
+    corners : (C,) vertex ids from 0, face after face
+    sizes : (F,) number of corners of each face
+    """
+    counted = hashlib.sha256()
+    counted.update((np.asarray(points, dtype="<f8") + 0.0).tobytes())  # -0 is 0
+    for ids in (corners, sizes):
+        counted.update(np.asarray(ids, dtype="<i8").tobytes())
+    return counted.hexdigest()[:32]
+
+
+def stated_digest(comments: str) -> str | None:
+    """The digest that comments state together with node axes, or None."""
+    found = _STATED.search(comments)
+    return found[1] if found else None

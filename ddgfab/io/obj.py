@@ -14,7 +14,7 @@ import numpy as np
 from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
-from ddgfab.io.header import AXES_NOTE, comments_of, header_lines
+from ddgfab.io.header import AXES_NOTE, comments_of, header_lines, stated_digest
 from ddgfab.io.raw import RawMesh, Rows, check_count
 from ddgfab.io.tokens import clip, decode, integer, number, numbered
 from ddgfab.io.units import stated_unit
@@ -107,6 +107,7 @@ def parse_obj(data: bytes, file: str) -> RawMesh:
         read.notes(),
         units=stated_unit(comments),
         axes=_axes(read) if with_axes else None,
+        axes_of=stated_digest(comments),
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
-from ddgfab.io.header import AXES_NOTE, comments_of, header_lines
+from ddgfab.io.header import AXES_NOTE, comments_of, header_lines, stated_digest
 from ddgfab.io.raw import RawMesh, Rows, check_count
 from ddgfab.io.tokens import clip, decode, integer, token_rows
 from ddgfab.io.units import stated_unit
@@ -62,7 +62,12 @@ def parse_off(data: bytes, file: str) -> RawMesh:
                 _check_lines(body(), counts, file)
             raise
     axes = _axes(body(), counts[0]) if AXES_NOTE in comments and values >= 6 else None
-    return replace(_from_one(raw), units=stated_unit(comments), axes=axes)
+    return replace(
+        _from_one(raw),
+        units=stated_unit(comments),
+        axes=axes,
+        axes_of=stated_digest(comments),
+    )
 
 
 def _line_each(rows: Iterator[Row], counts: tuple[int, int]) -> bool:

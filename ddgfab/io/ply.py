@@ -10,7 +10,7 @@ import numpy as np
 from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
-from ddgfab.io.header import AXES_NOTE, header_lines
+from ddgfab.io.header import AXES_NOTE, header_lines, stated_digest
 from ddgfab.io.ply_body import BinaryBody, Element, Property, TextBody
 from ddgfab.io.raw import RawMesh, check_count
 from ddgfab.io.tokens import clip, integer
@@ -117,6 +117,7 @@ def parse_ply(data: bytes, file: str) -> RawMesh:
         step,
         stated_unit("\n".join(header.comments)),
         table[:, 3:].copy() if len(names) == 6 else None,
+        stated_digest("\n".join(header.comments)),
     )
 
 

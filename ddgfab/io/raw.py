@@ -37,6 +37,7 @@ class RawMesh:
     step : coordinates are rounded to about this (the last digit that the file holds)
     units : unit that the file states (a key of `units.FACTORS`), None where it states none
     axes : (V, 3) node axes that the file carries, zero where a point has none; None without
+    axes_of : digest of the geometry that the file says they belong to (`header.geometry_digest`)
     """
 
     file: str
@@ -49,6 +50,7 @@ class RawMesh:
     step: float = 0.0
     units: str | None = None
     axes: Floats | None = None
+    axes_of: str | None = None
 
     def fail(self, reason: str, *, point: int | None = None, face: int | None = None) -> MeshError:
         """The error to raise, with the line of the point or face it is about."""
@@ -68,6 +70,7 @@ class RawMesh:
         *,
         units: str | None = None,
         axes: Floats | None = None,
+        axes_of: str | None = None,
     ) -> RawMesh:
         """Raw mesh of what was read line by line."""
         return RawMesh(
@@ -81,6 +84,7 @@ class RawMesh:
             rows.digits.step,
             units,
             axes,
+            axes_of,
         )
 
 

@@ -218,6 +218,11 @@ def _reason(structure: SupportStructure) -> str:
             "; a closed quad mesh leaves as many conditions as axes have freedom, so that in "
             "general there are none: cut it open, or optimise its vertices"
         )
+    if (mesh.face_sizes == 4).all():
+        return (
+            f" (faces are up to {flat.max():.2g} %, on average {flat.mean():.2g} % from planar); "
+            'vertices and axes together can be optimised: goal "torsion-free"'
+        )
     return (
         f"; its edges are far from conjugate directions (faces are up to {flat.max():.2g} % and "
         f"on average {flat.mean():.2g} % from planar): optimise the net for planarity first"

@@ -43,10 +43,14 @@ def inspect_command(
     with session(debug, quiet, verbose) as run:
         from ddgfab.io import unlikely_size
         from ddgfab.measures import inspect
+        from ddgfab.support import SupportStructure
         from fabrication.gridshell.foresight import foreseen_record, foreseen_text
 
         read = Reading(units, scale, up, flip, quads, weld).read(mesh)
         report = inspect(read.mesh)
+        given = None
+        if read.axes is not None:
+            given = SupportStructure.of(read.mesh, read.axes, "given")
         notes = list(read.notes)
         if unlikely := unlikely_size(report.edge_length[1]):
             notes.append(f"{unlikely}: is the file in another unit? (--units m, --scale 0.001)")
@@ -57,6 +61,7 @@ def inspect_command(
                 "units": read.units,
                 "origin_mm": read.origin.tolist(),
                 "notes": notes,
+                "axes": None if given is None else given.to_dict(),
                 "planar_forecast": foreseen_record(read.mesh),
             }
             run.result(json.dumps({**record, **report.to_dict()}, indent=1))
@@ -67,6 +72,11 @@ def inspect_command(
             run.say(f"note: {note}")
         text = [report.text(), foreseen_text(read.mesh)] if not quiet else []
         run.result("\n".join(filter(None, text)) or f"{read.file}: {report.kind}")
+        if given is not None:
+            run.say(
+                f"node axes in the file: torsion max {given.torsion_deg_max:.1e} deg, lean max "
+                f"{given.lean_deg_max:.2f}, mean {given.lean_deg_mean:.2f} deg; make takes them"
+            )
 
 
 @app.command("check")

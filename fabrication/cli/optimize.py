@@ -138,9 +138,10 @@ def optimize_command(
             _write_missed(run, error, missed, target, read.origin)
             raise typer.Exit(FAILED) from None
         record = {"file": read.file, "sha256": read.sha256, **comparison(result)}
-        if isinstance(result, TorsionFreeResult):
-            record["axes"] = result.axes.tolist()
-        _write(target, result.mesh, read.origin)
+        axes = result.axes if isinstance(result, TorsionFreeResult) else None
+        _write(target, result.mesh, read.origin, axes)
+        if axes is not None:
+            record["axes"] = axes.tolist()
         with atomic_path(target.with_suffix(".json")) as temporary:
             temporary.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
         warning = _draw(target, result) if picture else ""
@@ -180,11 +181,11 @@ def _describe(run: Session, settings: OptimizeSettings) -> None:
         run.detail(f"optimize.{key} = {value}")
 
 
-def _write(path: Path, mesh: Mesh, origin: Floats) -> None:
-    """Write a mesh [mm] where its file had it."""
+def _write(path: Path, mesh: Mesh, origin: Floats, axes: Floats | None = None) -> None:
+    """Write a mesh [mm] where its file had it, with the node axes that were found with it."""
     from ddgfab.io import write_mesh
 
-    write_mesh(path, mesh.with_vertices(mesh.vertices + origin), units="mm")
+    write_mesh(path, mesh.with_vertices(mesh.vertices + origin), units="mm", axes=axes)
 
 
 def _write_missed(

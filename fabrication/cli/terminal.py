@@ -134,14 +134,17 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
 
 def _limits_text(error: Exception) -> str | None:
     """The message of a job that stopped at limits, with the next commands; None for others."""
-    from fabrication.job.limits import LimitError
+    from fabrication.gridshell.axes import AxesError
+    from fabrication.job.limits import LimitError, set_arguments
 
+    given = ["ddgfab", *sys.argv[1:]]
+    if isinstance(error, AxesError):
+        return f"{error}\nNext: {shlex.join([*given, *set_arguments(error.settings)])}"
     if not isinstance(error, LimitError):
         return None
-    given = ["ddgfab", *sys.argv[1:]]
     lines = [f"{error.summary}; nothing was made"]
     if error.settings:
-        lines.append(f"Next: {shlex.join([*given, *error.arguments()])}")
+        lines.append(f"Next: {shlex.join([*given, *set_arguments(error.settings)])}")
     lines.append(f"Or make the parts all the same, and reject them: {shlex.join(given)} --anyway")
     return "\n".join(lines)
 

@@ -19,8 +19,9 @@ from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, read_mesh, unlikely_size
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
-from ddgfab.support import SupportKind, SupportStructure, support_structure
+from ddgfab.support import SupportKind, SupportStructure
 from fabrication.families import families
+from fabrication.gridshell.axes import node_axes, notes_on_axes
 from fabrication.gridshell.detailing import Gridshell, detail
 from fabrication.gridshell.load import load_project, project_for_mesh
 from fabrication.gridshell.optimized import optimized_mesh
@@ -50,13 +51,14 @@ class NetInput:
     """A net [mm] and where it came from: file and sha256, reader's notes.
 
     The file is that of the mesh, or of the combinatorics that a generated net starts from; None
-    where there is none.
+    where there is none. axes : (V, 3) node axes that the file carries, or None
     """
 
     mesh: Mesh
     file: str | None
     sha256: str | None
     notes: tuple[str, ...]
+    axes: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -196,19 +198,17 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     if project.optimize.goal != "none":
         start("optimize")
         optimized = optimized_mesh(net.mesh, project.optimize, report)
-        net = replace(net, mesh=optimized.mesh, notes=(*net.notes, *optimized.remarks))
+        found = optimized.axes if isinstance(optimized, TorsionFreeResult) else None
+        net = replace(net, mesh=optimized.mesh, notes=(*net.notes, *optimized.remarks), axes=found)
         stop("optimize")
     start("measure")
     measures = inspect(net.mesh)
     stop("measure")
     start("support structure")
-    support = support_structure(
-        net.mesh,
-        support_kind(project),
-        axes=optimized.axes if isinstance(optimized, TorsionFreeResult) else None,
-        lean_limit_deg=project.support.lean_limit_deg,
-        torsion_limit_deg=project.checks.torsion_deg,
-    )
+    kind = support_kind(project)
+    support = node_axes(net.mesh, kind, project, net.axes)
+    told = notes_on_axes(net.mesh, net.axes, support, project, kind)
+    net = replace(net, notes=(*net.notes, *told))
     stop("support structure")
     start("detail")
     gridshell = detail(net.mesh, support, project)
@@ -264,7 +264,7 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
         return NetInput(mesh.scaled(factor), str(named), digest, _notes(project))
     if read is None:
         return NetInput(mesh.scaled(factor), None, None, _notes(project))
-    return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes)
+    return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes, read.axes)
 
 
 def _traced(project: Project) -> NetInput:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ddgfab.errors import DdgError
@@ -35,13 +35,14 @@ class LimitError(DdgError):
         lines.append("To make the parts all the same, and reject them: anyway=True")
         super().__init__("\n".join(lines))
 
-    def arguments(self) -> list[str]:
-        """The settings as arguments of the command line."""
-        return [
-            argument
-            for section, key, value in self.settings
-            for argument in ("--set", f"{section}.{key}={argument_text(value)}")
-        ]
+
+def set_arguments(settings: Iterable[tuple[str, str, Any]]) -> list[str]:
+    """Settings (section, key, value) as arguments of the command line."""
+    return [
+        argument
+        for section, key, value in settings
+        for argument in ("--set", f"{section}.{key}={argument_text(value)}")
+    ]
 
 
 def check_limits(product: Product) -> None:
