@@ -17,7 +17,7 @@ TRACE: Final = "trace"
 
 TRACE_REASON: Final = (
     "the edges do not follow conjugate directions of the surface; trace a net that does "
-    "(ddgfab trace)"
+    "(ddgfab optimize --retrace)"
 )
 
 

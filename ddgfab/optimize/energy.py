@@ -91,6 +91,7 @@ def energy(
     weights: Weights,
     surface: SmoothSurface | None = None,
     features: Ints | None = None,
+    rim: Mesh | None = None,
 ) -> tuple[Wish, ...]:
     """Terms of the energy of a mesh whose mean edge is one.
 
@@ -98,9 +99,10 @@ def energy(
     ----------
     surface : to stay near to; that of the mesh itself by default
     features : ids of edges across which the movement need not be smooth
+    rim : whose boundary that of the mesh stays near to; the mesh itself by default
     """
     used = np.flatnonzero(mesh.valences > 0)
-    rim = np.flatnonzero(mesh.boundary_vertex)
+    outer = np.flatnonzero(mesh.boundary_vertex)
     terms: list[Wish] = [
         NearSurface(
             surface=SmoothSurface(mesh) if surface is None else surface,
@@ -111,8 +113,9 @@ def energy(
         _strain(mesh, weights.strain),
         *fair_movement(mesh, weights.fair, weights.along, features=features),
     ]
-    if len(rim):
-        terms.append(NearRim(curve=RimCurve(mesh), vertices=rim, weight=weights.rim))
+    if len(outer):
+        curve = RimCurve(mesh if rim is None else rim)
+        terms.append(NearRim(curve=curve, vertices=outer, weight=weights.rim))
         held = np.zeros(mesh.n_vertices)
         held[plan_corners(mesh)] = 1.0
         if held.any():

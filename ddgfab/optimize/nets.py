@@ -83,11 +83,12 @@ def net_problem(
     surface: SmoothSurface | None = None,
     features: Ints | None = None,
     extra: Sequence[Term] = (),
+    rim: Mesh | None = None,
 ) -> Problem:
     """Energy, barriers and equations of a goal on a mesh whose mean edge is one."""
     given = constraints or Constraints(np.zeros(0, dtype=np.int64), glide=False)
     weights = Weights.of(mesh, keep, glide=given.glide)
-    kept = energy(mesh, weights, surface, features)
+    kept = energy(mesh, weights, surface, features, rim)
     following: list[Following] = [t for t in kept if isinstance(t, NearSurface | NearRim)]
     soft: list[Term] = [t for t in kept if not isinstance(t, NearSurface | NearRim)]
     problem = Problem.build(mesh, [*soft, *extra, *goal.terms(mesh)], fixed=given.fixed)
@@ -104,6 +105,7 @@ def reach(
     boundary: Boundary = "free",
     features: Sequence[int] | Ints | None = None,
     surface: Mesh | None = None,
+    rim: Mesh | None = None,
     limits: Limits | None = None,
     options: PathOptions | None = None,
     throw: bool = True,
@@ -119,6 +121,8 @@ def reach(
     boundary : what the boundary may do
     features : ids of edges across which the movement need not be smooth
     surface : to stay near to; the mesh itself by default
+    rim : whose boundary that of the mesh stays near to, as the rim of a surface that was traced;
+        the mesh itself by default
     limits : what the result may cost
     throw : raise when the goal is missed or a limit exceeded; otherwise the best mesh comes back,
         status "missed"
@@ -153,6 +157,7 @@ def reach(
         constraints=constraints,
         surface=None if surface is None else SmoothSurface(frame.inside(surface)),
         features=sharp,
+        rim=None if rim is None else frame.inside(rim),
     )
     expected = _expected(problem, frame)
     history: list[tuple[str, Step]] = []

@@ -281,13 +281,31 @@ def _cleaned(points: Floats, rank: Ints, faces: list[Ints]) -> tuple[list[Ints],
     names = np.array([root(i) for i in range(len(points))])
     out = []
     for face in faces:
-        ring = names[face]
-        ring = ring[ring != np.roll(ring, 1)]
-        if len(np.unique(ring)) >= 3:
+        ring = _without_spikes(names[face])
+        if len(ring) >= 3:
             out.append(ring)
     out = without_slivers(points, rank, out)
-    out = _without_passing(out, rank)
+    out = [_without_spikes(ring) for ring in _without_passing(out, rank)]
     return out, np.unique(np.concatenate(out)) if out else np.zeros(0, dtype=np.int64)
+
+
+def _without_spikes(ring: Ints) -> Ints:
+    """A face without repeated corners and without edges that it runs along both ways."""
+    row = ring.tolist()
+    changed = True
+    while changed and len(row) > 2:
+        changed = False
+        for i, corner in enumerate(row):
+            if corner == row[i - 1]:
+                del row[i]
+            elif row[i - 2] == corner:  # there and back
+                for k in sorted((i, (i - 1) % len(row)), reverse=True):
+                    del row[k]
+            else:
+                continue
+            changed = True
+            break
+    return np.array(row, dtype=np.int64)
 
 
 def _without_passing(faces: list[Ints], rank: Ints) -> list[Ints]:

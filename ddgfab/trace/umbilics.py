@@ -23,7 +23,12 @@ _ROUND: Final = 1e-3
 _ROUND_SHARE: Final = 0.2
 """With a greater share of such samples every orthogonal net is principal."""
 _MANY: Final = 8
-"""More zeros than this lie on a line of umbilics."""
+"""More zeros than this may lie on a line of umbilics."""
+_NOISE: Final = 40
+"""More zeros than this are noise."""
+_LOW: Final = 0.05
+"""Curvatures that differ by less than this part of their median difference from one zero to the
+next make a line."""
 _STEPS: Final = 30
 
 
@@ -86,11 +91,13 @@ def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
     groups = [group for group in _clusters(zeros / samples.cell) if inside[group].any()]
     if len(groups) > _MANY:
         u, v = zeros[groups[0][0]]
-        raise DegenerateError(
-            f"{samples.surface.name}: {len(groups)} umbilics: a line of umbilics, or noise (near "
-            f"u = {u:.4g}, v = {v:.4g})\ngive directions: --along X,Y,Z (plane sections), or "
-            "change the surface there"
-        )
+        what = _many(samples, np.array([zeros[group].mean(axis=0) for group in groups]))
+        if what:
+            raise DegenerateError(
+                f"{samples.surface.name}: {len(groups)} umbilics: {what} (near u = {u:.4g}, "
+                f"v = {v:.4g})\ngive directions: --along X,Y,Z (plane sections), or change the "
+                "surface there"
+            )
     found = []
     for group in groups:
         uv = zeros[group].mean(axis=0)
@@ -102,6 +109,24 @@ def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
             place = (float(x[0]), float(x[1]), float(x[2]))
             found.append(Umbilic((float(uv[0]), float(uv[1])), place, total / 2))
     return tuple(sorted(found, key=lambda umbilic: umbilic.uv))
+
+
+def _many(samples: Samples, zeros: Floats) -> str:
+    """What many zeros (n, 2) are that make no net; empty where they are single umbilics."""
+    apart = np.linalg.norm((zeros[:, None] - zeros[None]) / samples.cell, axis=2)
+    np.fill_diagonal(apart, np.inf)
+    next_ = zeros[apart.argmin(axis=1)]
+    way = next_ - zeros
+    across = np.stack([-way[:, 1], way[:, 0]], axis=1)  # lines bend between two zeros
+    along = np.linspace(0, 1, 7)[:, None, None, None]
+    beside = np.linspace(-0.25, 0.25, 25)[:, None, None]
+    near = (zeros + along * way + beside * across).reshape(-1, 2)
+    size = np.hypot(*principal(samples.surface.jets(near)).deviator.T).reshape(7, 25, -1)
+    median = float(np.median(np.hypot(*samples.principal.deviator[samples.inside].T)))
+    on_line = size.min(axis=1).max(axis=0) < _LOW * median
+    if on_line.sum() > len(zeros) / 2:
+        return "a line of umbilics"
+    return "noise" if len(zeros) > _NOISE else ""
 
 
 def _newton(surface: SplineSurface, start: Floats, cell: Floats) -> Floats:

@@ -84,7 +84,32 @@ def test_refusals() -> None:
     ring = [face for k, face in enumerate(crease.faces) if k != 60]
     with pytest.raises(MeshError, match="2 rims"):
         fit_mesh(Mesh.build(crease.vertices, ring))
-    turn = np.linspace(0, 1.4 * np.pi, 40)[:, None] + 0 * v
-    tube = grid_mesh(np.stack([np.cos(turn), np.sin(turn), v], axis=-1))
-    with pytest.raises(DegenerateError, match="upside down"):
-        fit_mesh(tube)
+
+
+def test_a_tube_is_spread_with_a_warning() -> None:
+    turn, along = np.meshgrid(np.linspace(0, 1.6 * np.pi, 40), np.linspace(0, 2, 30), indexing="ij")
+    bend = 1 + 0.1 * along * (2 - along)
+    tube = grid_mesh(np.stack([bend * np.cos(turn), bend * np.sin(turn), along], axis=-1))
+    found = fit_mesh(tube)
+    assert "upside down in plan" in found.warning
+    assert "spread over a rectangle" in found.warning
+    x, y, z = found.surface.points(found.surface.trim.loops[0]).T
+    assert np.abs(np.hypot(x, y) - 1 - 0.1 * z * (2 - z)).max() < 1e-5
+
+
+def test_triangles_without_four_corners_are_spread_over_a_circle() -> None:
+    turn, along = np.meshgrid(np.linspace(0, 1.4 * np.pi, 50), np.linspace(0, 4, 45), indexing="ij")
+    tube = grid_mesh(np.stack([np.cos(turn), np.sin(turn), along], axis=-1))
+    found = fit_mesh(
+        Mesh.build(tube.vertices, [t for a, b, c, d in tube.faces for t in ((a, b, c), (a, c, d))])
+    )
+    assert "spread over a circle" in found.warning
+    x, y, _ = found.surface.points(0.8 * found.surface.trim.loops[0]).T
+    assert np.abs(np.hypot(x, y) - 1).max() < 5e-3
+
+
+def test_a_smoother_surface_is_further_away() -> None:
+    mesh, _ = cap_mesh(1500, 1e-4)
+    near, smooth = fit_mesh(mesh), fit_mesh(mesh, smooth=2e-3)
+    assert smooth.smoothness > near.smoothness
+    assert near.rms < smooth.rms < 2e-3 * mesh.diameter
