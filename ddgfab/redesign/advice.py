@@ -9,7 +9,7 @@ from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
-from ddgfab.optimize import Forecast, expected, forecast_text
+from ddgfab.optimize import Forecast, expected
 from ddgfab.optimize.problem import mean_edge
 from ddgfab.redesign.dilemma import Movement, forecast_dict, mesh_forecast
 from ddgfab.tolerances import NET_PLANAR_PERCENT
@@ -51,8 +51,6 @@ class Advice:
         rows = [("from principal", f"unknown: {self.why}")]
         if self.aligned is not None:
             rows = self.aligned.lines()
-        if self.planar is not None:
-            rows.append(("forecast", forecast_text(self.planar, unit)))
         if self.principal is not None:
             rows.append(
                 (
@@ -71,14 +69,10 @@ class Advice:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        planar = self.planar
         return {
             "advice": self.way,
             "reason": self.reason,
-            "directions": None if self.aligned is None else self.aligned.to_dict(),
-            "planar_forecast": None
-            if planar is None
-            else {"distance_mean": planar.distance_mean, "stretch": planar.stretch},
+            "edges": None if self.aligned is None else self.aligned.to_dict(),
             "principal_forecast": None if self.principal is None else forecast_dict(self.principal),
         }
 

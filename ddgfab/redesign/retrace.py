@@ -10,12 +10,19 @@ import numpy as np
 from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.mesh import Mesh
+from ddgfab.optimize.surface import SmoothSurface
 from ddgfab.surfaces.fit import FittedSurface, fit_mesh
+from ddgfab.surfaces.nearest import nearest_points
+from ddgfab.surfaces.principal import DETERMINED
 from ddgfab.trace import Traced, trace
 from ddgfab.trace.reference import reference_mesh
+from ddgfab.trace.samples import Samples
 
 _SMOOTH: Final = (1e-9, 1e-4, 3e-4, 1e-3, 3e-3)
 """Residuals, as parts of the size, that a smoother surface may have: the first that makes a net."""
+
+_WEAK: Final = 0.5
+"""Greatest part of the surface on which principal directions may mean nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +57,16 @@ class Retraced:
             *quality.remarks(),
         )
 
+    def distance_note(self, mesh: Mesh, result: Mesh, unit: str = "mm") -> str:
+        """How far the vertices of a result lie from the surface, and it from the first mesh."""
+        far = nearest_points(self.fitted.surface, result.vertices[result.valences > 0]).distance
+        back = SmoothSurface(mesh).distance(result.vertices[result.valences > 0])
+        return (
+            f"vertices lie {far.mean():.2g} {unit} from the smooth surface on average, at most "
+            f"{far.max():.3g}; from the first mesh {back.mean():.2g}, at most {back.max():.3g} "
+            f"{unit}"
+        )
+
 
 @checked
 def retrace(mesh: Mesh, spacing: float | None = None, *, name: str = "mesh") -> Retraced:
@@ -70,6 +87,7 @@ def retrace(mesh: Mesh, spacing: float | None = None, *, name: str = "mesh") -> 
     last: Exception | None = None
     for smooth in _SMOOTH:
         fitted = fit_mesh(mesh, smooth=smooth, name=name)
+        _check_determined(fitted)
         try:
             found = trace(fitted.surface, wished)
         except InputError as error:
@@ -83,3 +101,16 @@ def retrace(mesh: Mesh, spacing: float | None = None, *, name: str = "mesh") -> 
     raise DegenerateError(
         f"{name}: no net of curvature lines at spacing {wished:.4g}: {last}"
     ) from None
+
+
+def _check_determined(fitted: FittedSurface) -> None:
+    """Raise where principal directions are those of noise."""
+    samples = Samples.of(fitted.surface)
+    weak = samples.principal.anisotropy[samples.inside] < DETERMINED
+    if weak.mean() > _WEAK:
+        raise DegenerateError(
+            f"{fitted.surface.name}: directions are not determined on {100 * weak.mean():.0f} % of "
+            f"the surface (anisotropy below {DETERMINED:g}; limit {100 * _WEAK:g} %): every "
+            "orthogonal net is nearly principal\nthe mesh can stay as it is: ddgfab optimize, or "
+            "give directions: ddgfab trace --along X,Y,Z"
+        )

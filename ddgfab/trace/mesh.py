@@ -162,6 +162,13 @@ def network_mesh(network: Network) -> TracedMesh:
         mesh = Mesh.build(points[keep], [new[face] for face in faces])
     except MeshError as fault:
         raise MeshError(f"{surface.name}: cells of the network do not fit: {fault}") from None
+    twice = np.flatnonzero(mesh.edge_faces[:, 0] == mesh.edge_faces[:, 1])
+    if len(twice):
+        x, y, z = mesh.vertices[mesh.edges[twice[0]]].mean(axis=0)
+        raise DegenerateError(
+            f"{surface.name}: a cell touches itself at ({x:.4g}, {y:.4g}, {z:.4g}): lines end in "
+            "the open there\nchange the spacing a little"
+        )
     return TracedMesh(mesh, uv[keep], rank[keep], error)
 
 

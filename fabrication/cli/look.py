@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import time
 from pathlib import Path
 from typing import Annotated
@@ -39,14 +40,20 @@ def inspect_command(
     verbose: Verbose = False,
     debug: Debug = False,
 ) -> None:
-    """What kind of net a mesh is, and how far from planar, circular, conical, torsion-free."""
+    """What kind of net a mesh is, and how far from planar, circular, conical, torsion-free.
+
+    Of quads it says how far their edges are from principal and from conjugate directions, what
+    planar faces will cost, and which command to try: optimize, optimize --retrace, or dilemma.
+    """
     with session(debug, quiet, verbose) as run:
         from ddgfab.io import unlikely_size
         from ddgfab.measures import inspect
+        from ddgfab.redesign.advice import advise
         from ddgfab.support import SupportStructure
         from fabrication.gridshell.foresight import foreseen_record, foreseen_text
 
-        read = Reading(units, scale, up, flip, quads, weld).read(mesh)
+        reading = Reading(units, scale, up, flip, quads, weld)
+        read = reading.read(mesh)
         report = inspect(read.mesh)
         given = None
         if read.axes is not None:
@@ -64,14 +71,22 @@ def inspect_command(
                 "axes": None if given is None else given.to_dict(),
                 "planar_forecast": foreseen_record(read.mesh),
             }
+            advice = advise(read.mesh)
+            record["directions"] = None if advice is None else advice.to_dict()
             run.result(json.dumps({**record, **report.to_dict()}, indent=1))
             return
         run.detail(f"{read.file}: sha256 {read.sha256}")
         run.detail(f"unit in the file: {read.units or 'not stated'}; {read.mesh!r}")
         for note in notes:
             run.say(f"note: {note}")
-        text = [report.text(), foreseen_text(read.mesh)] if not quiet else []
-        run.result("\n".join(filter(None, text)) or f"{read.file}: {report.kind}")
+        if quiet:
+            run.result(f"{read.file}: {report.kind}")
+            return
+        advice = advise(read.mesh)
+        name = shlex.join([str(mesh), *reading.arguments()])
+        rows = [] if advice is None else advice.lines(name)
+        text = [report.text(), *(f"{title:<22}{said}" for title, said in rows)]
+        run.result("\n".join(filter(None, [*text, foreseen_text(read.mesh)])))
         if given is not None:
             run.say(
                 f"node axes in the file: torsion max {given.torsion_deg_max:.1e} deg, lean max "

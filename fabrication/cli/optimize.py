@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ddgfab.errors import OptimizeError
     from ddgfab.mesh import Floats, Mesh
     from ddgfab.optimize import OptimizeResult
+    from ddgfab.redesign.retrace import Retraced
     from fabrication.gridshell.project import OptimizeSettings
 
 PLANAR: Final = "planar"
@@ -67,6 +68,13 @@ def optimize_command(
     max_movement: Annotated[
         float | None, typer.Option(help="Greatest movement of a vertex [mm].")
     ] = None,
+    anew: Annotated[
+        bool,
+        typer.Option(
+            "--retrace",
+            help="Fit a surface, trace a net on it at the mesh's spacing, optimize that.",
+        ),
+    ] = False,
     change: Change = None,
     units: Units = None,
     scale: Scale = 1.0,
@@ -116,6 +124,8 @@ def optimize_command(
             max_movement_mm=None if max_movement is None else float(max_movement),
         )
         given = {"goal": PLANAR, **sections.get("optimize", {})}
+        if anew:  # the net follows the surface already
+            given = {"keep": "close", **given}
         settings = make_project({"optimize": given}).optimize
         target = output or Path(f"{_stem(source)}-{settings.goal}.obj")
         check_target(target)
@@ -126,10 +136,15 @@ def optimize_command(
             near = reading.read(surface)
             reference = near.mesh.with_vertices(near.in_place.vertices - read.origin)
         _describe(run, settings)
-        if settings.goal == PLANAR and (foreseen := foreseen_text(read.mesh)):
+        start, traced, rim = read.mesh, None, None
+        if anew:
+            run.progress("retrace", 0, 0)
+            traced = _retraced(read.mesh, source, surface is not None or fix is not None)
+            start, reference, rim = traced.mesh, traced.reference, traced.reference
+        if settings.goal == PLANAR and (foreseen := foreseen_text(start)):
             run.say(foreseen)
         try:
-            result = optimized_mesh(read.mesh, settings, run.progress, surface=reference)
+            result = optimized_mesh(start, settings, run.progress, surface=reference, rim=rim)
         except OptimizeError as error:
             if debug:
                 raise
@@ -138,6 +153,11 @@ def optimize_command(
             _write_missed(run, error, missed, target, read.origin)
             raise typer.Exit(FAILED) from None
         record = {"file": read.file, "sha256": read.sha256, **comparison(result)}
+        if traced is not None:
+            record["retraced"] = traced.traced.quality.to_dict()
+            for note in (*traced.notes(), traced.distance_note(read.mesh, result.mesh)):
+                if not as_json:
+                    run.say(f"note: {note}")
         axes = result.axes if isinstance(result, TorsionFreeResult) else None
         _write(target, result.mesh, read.origin, axes)
         if axes is not None:
@@ -154,6 +174,16 @@ def optimize_command(
         if not as_json:
             run.result(f"written to {target} [mm]")
     raise typer.Exit(DONE)
+
+
+def _retraced(mesh: Mesh, source: Path, named: bool) -> Retraced:
+    """A net traced on the surface of a mesh."""
+    from ddgfab.errors import InputError
+    from ddgfab.redesign.retrace import retrace
+
+    if named:
+        raise InputError("--retrace makes another net: --fix and --surface name parts of the old")
+    return retrace(mesh, name=source.name)
 
 
 def _ids(text: str) -> list[int]:

@@ -20,6 +20,8 @@ from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
 from ddgfab.support import SupportKind, SupportStructure
+from ddgfab.surfaces.spline import SplineSurface
+from ddgfab.trace.reference import reference_mesh
 from fabrication.families import families
 from fabrication.gridshell.axes import node_axes, notes_on_axes
 from fabrication.gridshell.detailing import Gridshell, detail
@@ -27,7 +29,7 @@ from fabrication.gridshell.load import load_project, project_for_mesh
 from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.project import MESH, SURFACE, Project
 from fabrication.gridshell.schedules import schedules
-from fabrication.gridshell.traced import traced_net
+from fabrication.gridshell.traced import distance_note, traced_net
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family, rejected
 from fabrication.table import Table
@@ -51,7 +53,9 @@ class NetInput:
     """A net [mm] and where it came from: file and sha256, reader's notes.
 
     The file is that of the mesh, or of the combinatorics that a generated net starts from; None
-    where there is none. axes : (V, 3) node axes that the file carries, or None
+    where there is none. axes : (V, 3) node axes that the file carries, or None. surface : what a
+    traced net was traced on; reference : the same as a fine mesh, what its optimisation stays near
+    to.
     """
 
     mesh: Mesh
@@ -59,6 +63,8 @@ class NetInput:
     sha256: str | None
     notes: tuple[str, ...]
     axes: Floats | None = None
+    surface: SplineSurface | None = None
+    reference: Mesh | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -197,9 +203,12 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     optimized = None
     if project.optimize.goal != "none":
         start("optimize")
-        optimized = optimized_mesh(net.mesh, project.optimize, report)
+        near = net.reference
+        optimized = optimized_mesh(net.mesh, project.optimize, report, surface=near, rim=near)
         found = optimized.axes if isinstance(optimized, TorsionFreeResult) else None
-        net = replace(net, mesh=optimized.mesh, notes=(*net.notes, *optimized.remarks), axes=found)
+        off = () if net.surface is None else (distance_note(net.surface, optimized.mesh),)
+        notes = (*net.notes, *off, *optimized.remarks)
+        net = replace(net, mesh=optimized.mesh, notes=notes, axes=found)
         stop("optimize")
     start("measure")
     measures = inspect(net.mesh)
@@ -271,11 +280,12 @@ def _traced(project: Project) -> NetInput:
     """The net traced on the project's surface."""
     surface, found = traced_net(project)
     notes = tuple(f"net traced on {surface.name}: {row}" for row in found.quality.remarks())
+    reference = reference_mesh(surface, found.traced)
     path = project.mesh_path
     if path is None:
-        return NetInput(found.mesh, None, None, notes)
+        return NetInput(found.mesh, None, None, notes, None, surface, reference)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    return NetInput(found.mesh, str(path), digest, notes)
+    return NetInput(found.mesh, str(path), digest, notes, None, surface, reference)
 
 
 def _read(project: Project, path: Path) -> ReadResult:

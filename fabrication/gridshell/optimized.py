@@ -7,6 +7,7 @@ from typing import Any, cast
 
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import Goal, OptimizeResult, optimize
+from ddgfab.optimize.goals import NET_GOALS
 from fabrication.gridshell.project import OptimizeSettings
 from fabrication.progress import Progress, silent
 
@@ -17,6 +18,7 @@ def optimized_mesh(
     progress: Progress | None = None,
     *,
     surface: Mesh | None = None,
+    rim: Mesh | None = None,
 ) -> OptimizeResult:
     """The mesh [mm] made what the settings ask for, with its report.
 
@@ -24,6 +26,7 @@ def optimized_mesh(
     ----------
     progress : called as (step, done, of)
     surface : to stay near to [mm]; the mesh itself by default
+    rim : whose boundary that of the mesh stays near to [mm]; the mesh itself by default
 
     Raises
     ------
@@ -47,13 +50,15 @@ def optimized_mesh(
         distance_limit=settings.distance_limit_edges,
         rise_limit=settings.rise_limit_percent / 100,
         zigzag_limit=math.radians(settings.zigzag_limit_deg),
-        **_own_options(settings),
+        **_own_options(settings, rim),
         progress=lambda stage, number, step: report(f"optimize: {stage}", number, 0),
     )
 
 
-def _own_options(settings: OptimizeSettings) -> dict[str, Any]:
-    """What only one goal takes."""
+def _own_options(settings: OptimizeSettings, rim: Mesh | None) -> dict[str, Any]:
+    """What not all goals take."""
+    if settings.goal in NET_GOALS and rim is not None:
+        return {"rim": rim}
     if settings.goal == "torsion-free":
         lean = settings.max_lean_deg
         return {

@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
+
 from ddgfab.errors import InputError
+from ddgfab.mesh import Mesh
+from ddgfab.surfaces.nearest import nearest_points
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.trace import Traced, trace
 from fabrication.gridshell.project import Project
@@ -39,4 +43,14 @@ def traced_net(project: Project) -> tuple[SplineSurface, Traced]:
         (net.spacing_mm, net.spacing_across_mm or net.spacing_mm),
         along=net.along,
         turn=None if net.turn_deg is None else math.radians(net.turn_deg),
+    )
+
+
+def distance_note(surface: SplineSurface, mesh: Mesh) -> str:
+    """How far the vertices of a net [mm] lie from the surface itself, a sentence."""
+    far = np.where(mesh.valences > 0, nearest_points(surface, mesh.vertices).distance, 0.0)
+    worst = int(far.argmax())
+    return (
+        f"vertices lie {far[mesh.valences > 0].mean():.2g} mm from {surface.name} on average, at "
+        f"most {far[worst]:.3g} mm (vertex {worst})"
     )

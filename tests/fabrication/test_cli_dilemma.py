@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh, write_mesh
 from ddgfab.measures import planarity_percent
 from fabrication.cli import app
@@ -63,3 +64,28 @@ def test_what_is_refused_is_said(drawn: Path, tmp_path: Path) -> None:
         assert code == 2
         assert message in text
     assert not target.exists()
+
+
+def test_inspect_advises_and_optimize_traces_anew(tmp_path: Path) -> None:
+    along = np.linspace(-8e3, 8e3, 14)
+    u, v = np.meshgrid(along, along, indexing="ij")
+    x, y = 0.8 * u - 0.6 * v, 0.6 * u + 0.8 * v
+    mesh = grid_mesh(np.stack([x, y, x**2 / 24e3 - y**2 / 36e3], axis=-1))
+    drawn, target = tmp_path / "drawn.obj", tmp_path / "anew.obj"
+    write_mesh(drawn, mesh, units="mm")
+    result = CliRunner().invoke(app, ["inspect", str(drawn)])
+    assert result.exit_code == 0, result.output
+    assert f"ddgfab optimize {drawn} --retrace" in result.output
+    result = CliRunner().invoke(
+        app, ["optimize", str(drawn), "-o", str(target), "--retrace", "--no-picture"]
+    )
+    assert result.exit_code == 0, result.output
+    assert "note: retraced on a smooth surface" in result.output
+    made = read_mesh(target).in_place
+    assert planarity_percent(made).max() <= 0.2
+    x, y, z = made.vertices.T
+    assert np.abs(z - x**2 / 24e3 + y**2 / 36e3).max() < 60
+    assert json.loads(target.with_suffix(".json").read_text())["retraced"]["lines"][0] > 5
+    result = CliRunner().invoke(app, ["optimize", str(drawn), "--retrace", "--fix", "0"])
+    assert result.exit_code == 2
+    assert "--fix and --surface" in result.output
