@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from ddgfab.errors import ProjectError, clipped
 from ddgfab.suggest import nearest, suggestion
+from fabrication.project.hints import WINDOWS
 from fabrication.project.read import Origin
 from fabrication.project.sections import Section
 from fabrication.project.toml import toml_text
@@ -36,11 +37,16 @@ def sections_in(
                 if bad := re.search(r"[\x00-\x1f\x7f-\x9f]", text):
                     raise origin.error(
                         f"[{section}] {clipped(key)} = {show(text)} has the control character "
-                        f"{clipped(bad[0])}",
+                        f"{clipped(bad[0])}{_escaped(bad[0])}",
                         section,
                         key,
                     )
     return {key: dict(content) for key, content in values.items()}
+
+
+def _escaped(character: str) -> str:
+    """Advice where a backslash of a path may have made a control character."""
+    return f"\n{WINDOWS}" if character in "\b\t\n\f\r" else ""
 
 
 def _texts(value: object) -> Iterator[str]:

@@ -10,9 +10,20 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from ddgfab.errors import ProjectError, clipped
+from ddgfab.io.regular import read_regular
+from fabrication.project.hints import advice_for, place_of, unclosed
 
 LARGEST_INTEGER: Final = 2**63
 """TOML's integers have 64 bits."""
+
+LIMIT_BYTES: Final = 256 * 1024
+"""Larger project files are refused."""
+
+KEY_PARTS: Final = 20
+"""Keys a.b.c of more parts are refused: parsing takes the cube of their number."""
+
+_QUOTED: Final = re.compile(r"""\"[^"\n]*\"|'[^'\n]*'""")
+_LONG_KEY: Final = re.compile(rf"(?<![\w-])(?:[\w-]+[ \t]*\.[ \t]*){{{KEY_PARTS}}}")
 
 Changes: TypeAlias = Mapping[str, Mapping[str, Any]]
 """Single values that replace those of a file, by section and key."""
@@ -81,21 +92,34 @@ def read_toml(file: Path) -> tuple[dict[str, Any], str]:
     Raises
     ------
     ProjectError
-        Missing, not UTF-8, or no TOML; names file and line.
+        Missing, no regular file, above `LIMIT_BYTES`, not UTF-8, or no TOML; names file, line and
+        column, and how the line is written.
     """
+    name = str(file)
+    data = read_regular(
+        file,
+        LIMIT_BYTES,
+        ProjectError,
+        what="a project file (TOML)",
+        advice="a project is a few lines of TOML; is this one?",
+    )
     try:
-        text = file.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
+        text = data.decode("utf-8-sig").replace("\r\n", "\n")
         return parse_toml(text), text
-    except OSError as error:
-        raise ProjectError(f"cannot be read: {error.strerror}", file=str(file)) from None
     except ProjectError as error:
-        raise ProjectError(str(error), file=str(file)) from None
+        raise ProjectError(str(error), file=name) from None
     except UnicodeDecodeError as error:
-        raise ProjectError(f"is not UTF-8 text (byte {error.start})", file=str(file)) from None
+        raise ProjectError(f"is not UTF-8 text (byte {error.start})", file=name) from None
     except tomllib.TOMLDecodeError as error:
-        found = re.search(r"line (\d+)", str(error))
-        line = int(found[1]) if found else text.count("\n") + 1
-        raise ProjectError(f"is not TOML: {error}", file=str(file), line=line) from None
+        line, column = place_of(error, text)
+        lines = text.split("\n")
+        if line > 1 and not advice_for(lines[line - 1]) and unclosed(lines[line - 2]):
+            line, column = line - 1, len(lines[line - 2]) + 1  # a text that the line end closed
+        advice = advice_for(lines[line - 1])
+        reason = re.sub(r"\s*\(at [^)]*\)$", "", str(error))
+        at = "" if column is None else f" (column {column})"
+        message = f"is not TOML: {reason}{at}" + (f"\n{clipped(advice, 200)}" if advice else "")
+        raise ProjectError(message, file=name, line=line) from None
 
 
 def parse_toml(text: str) -> dict[str, Any]:
@@ -106,8 +130,12 @@ def parse_toml(text: str) -> dict[str, Any]:
     tomllib.TOMLDecodeError
         Text that is no TOML.
     ProjectError
-        Lists in lists without end, or a number of more digits than any computer number has.
+        Lists in lists without end, a number of more digits than any computer number has, or a key
+        of more than `KEY_PARTS` parts.
     """
+    bare = _QUOTED.sub("q", text)
+    if _LONG_KEY.search(bare):
+        raise ProjectError(f"a key of more than {KEY_PARTS} parts with dots between them")
     try:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError:

@@ -170,7 +170,7 @@ def test_a_mesh_that_is_no_knet_names_its_worst_vertices(
 def test_missing_files_and_other_words(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none\.obj"):
         find_kit_project(str(tmp_path / "none.obj"), {}).mechanism()
-    with pytest.raises(ProjectError, match=r"none\.toml: cannot be read"):
+    with pytest.raises(ProjectError, match=r"none\.toml: no such file"):
         find_kit_project(str(tmp_path / "none.toml"), {})
     (tmp_path / "roof.toml").write_text('[net]\nkind = "canopy"\n')
     with pytest.raises(ProjectError, match=r"needs \[linkage\]"):
