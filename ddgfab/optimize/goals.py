@@ -18,6 +18,7 @@ from ddgfab.optimize.forecast import forecast_of
 from ddgfab.optimize.frame import Frame
 from ddgfab.optimize.limits import Limits, named
 from ddgfab.optimize.nets import NetGoal, StageProgress, net_problem, reach
+from ddgfab.optimize.panes import with_panes
 from ddgfab.optimize.result import Forecast, OptimizeResult
 from ddgfab.optimize.rim import Boundary
 from ddgfab.optimize.terms import (
@@ -81,6 +82,7 @@ def optimize(
     distance_limit: tuple[float, float] | None = None,
     rise_limit: float = Limits.rise,
     zigzag_limit: float = Limits.zigzag,
+    max_pane: tuple[float, float] | None = None,
     throw: bool = True,
     progress: StageProgress | None = None,
     **options: Any,
@@ -112,6 +114,9 @@ def optimize(
     rise_limit : least part of its rise that the mesh keeps; 0 allows all to go
     zigzag_limit : by how much more than before bends at edges may differ from those beside them
         [rad, root mean square]
+    max_pane : (shorter, longer), optional
+        Lengths of the largest pane, in the unit of the mesh: quads are divided until they fit, and
+        stay so; vertices keep their numbers, new ones follow.
     throw : raise when the goal is missed; otherwise the best mesh comes back with its status
     progress : called with the name of the stage, the number of the step and the step
     options : what "torsion-free" (``max_lean`` [rad], ``axes_only``) and "families" (``of``,
@@ -133,29 +138,39 @@ def optimize(
     """
     if goal not in get_args(Goal):
         raise InputError(f'goal "{goal}" is unknown; one of {", ".join(get_args(Goal))}')
-    allowed = Limits(movement=max_movement, rise=rise_limit, zigzag=zigzag_limit)
+    allowed = Limits(movement=max_movement, rise=rise_limit, zigzag=zigzag_limit, pane=max_pane)
     if distance_limit is not None:
         mean, most = distance_limit
         allowed = replace(allowed, distance_mean=mean, distance_max=most)
-    features = None
-    if feature_angle is not None:
-        sharp = np.abs(dihedral_angles(mesh)) > feature_angle
-        features = np.flatnonzero(sharp & ~mesh.boundary_edge)
     if goal in NET_GOALS:
-        return reach(
-            mesh,
-            NET_GOALS[goal],
-            flat_percent=flat,
-            keep=keep,
-            fixed=fixed,
-            boundary=boundary,
-            features=features,
-            surface=surface,
-            limits=allowed,
-            throw=throw,
-            progress=progress,
-            **options,
-        )
+
+        def run(one: Mesh, throw: bool) -> OptimizeResult:
+            return reach(
+                one,
+                NET_GOALS[goal],
+                flat_percent=flat,
+                keep=keep,
+                fixed=fixed,
+                boundary=boundary,
+                features=_features(one, feature_angle),
+                surface=surface,
+                limits=allowed,
+                throw=throw,
+                progress=progress,
+                **options,
+            )
+
+        if max_pane is None:
+            return run(mesh, throw)
+        try:
+            return with_panes(mesh, max_pane, lambda one: run(one, True))
+        except OptimizeError as error:
+            if throw or not isinstance(error.result, OptimizeResult):
+                raise
+            return error.result
+    if max_pane is not None:
+        raise InputError(f'max_pane is for goals {", ".join(NET_GOALS)}, not for "{goal}"')
+    features = _features(mesh, feature_angle)
     result = OTHER_GOALS[goal](
         mesh,
         fixed=fixed,
@@ -174,6 +189,14 @@ def optimize(
             result=result,
         )
     return result
+
+
+def _features(mesh: Mesh, angle: float | None) -> Ints | None:
+    """Edges whose faces meet at a larger angle [rad]."""
+    if angle is None:
+        return None
+    sharp = np.abs(dihedral_angles(mesh)) > angle
+    return np.flatnonzero(sharp & ~mesh.boundary_edge)
 
 
 @checked

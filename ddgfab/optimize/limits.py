@@ -9,8 +9,9 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import InputError
-from ddgfab.mesh import Floats, Ints
+from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.change import Change
+from ddgfab.optimize.pane_size import FIT, misfit, pane_limit, pane_sizes
 
 _NAMED: Final = 5
 """How many of the worst elements a message names."""
@@ -28,6 +29,7 @@ class Limits:
     rise : least part of its rise that a mesh keeps; it may not grow by more than the inverse
     zigzag : by how much more than before the bend at an edge may differ from the bends beside it
         [rad, root mean square]: more is a crumpled mesh
+    pane : lengths of the largest pane, in the unit of the mesh; None: no limit
     """
 
     distance_mean: float = 0.25
@@ -36,6 +38,7 @@ class Limits:
     reflex_quads: int = 0
     rise: float = 0.8
     zigzag: float = math.radians(8.0)
+    pane: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         for name in ("distance_mean", "distance_max", "zigzag"):
@@ -43,6 +46,8 @@ class Limits:
                 raise InputError(f"limit {name} = {getattr(self, name):g}: must be positive")
         if not 0 <= self.rise < 1:
             raise InputError(f"limit rise = {self.rise:g}: a part of the rise, 0 to 1")
+        if self.pane is not None:
+            pane_limit(self.pane)
         if self.movement is not None and not self.movement > 0:
             raise InputError(f"max_movement = {self.movement:g}: must be positive")
 
@@ -70,6 +75,8 @@ class Limits:
                     )
                 )
         out += self._shape(change)
+        if self.pane is not None:
+            out += self._panes(change.after, self.pane)
         if self.movement is not None and change.movement.max() > self.movement:
             out.append(
                 (
@@ -91,6 +98,19 @@ class Limits:
                 ("folded", f"{len(change.folded)} faces fold or collapse: {ids(change.folded)}")
             )
         return out
+
+    def _panes(self, mesh: Mesh, limit: tuple[float, float]) -> list[tuple[str, str]]:
+        over = misfit(mesh, limit)
+        large = np.flatnonzero(over > 1 + FIT)
+        if not len(large):
+            return []
+        worst = int(over.argmax())
+        short, long = pane_sizes(mesh, limit)[worst]
+        text = (
+            f"{len(large)} faces are larger than a pane of {limit[0]:g} x {limit[1]:g}: "
+            f"{ids(large)}; the largest, face {worst}, needs {short:.4g} x {long:.4g}"
+        )
+        return [("pane", text)]
 
     def _shape(self, change: Change) -> list[tuple[str, str]]:
         """What is wrong with the shape: rise lost or gained, crumpled."""

@@ -18,6 +18,8 @@ from ddgfab.optimize.forecast import doubtful, forecast_of, forecast_text
 from ddgfab.optimize.frame import Frame, element_ids
 from ddgfab.optimize.gauss_newton import Step
 from ddgfab.optimize.limits import Limits, ids
+from ddgfab.optimize.pane_size import misfit
+from ddgfab.optimize.panes import pane_wish
 from ddgfab.optimize.path import PathOptions, Waypoint, follow
 from ddgfab.optimize.problem import Following, Problem, Term
 from ddgfab.optimize.quality import reflex_faces
@@ -148,7 +150,9 @@ def reach(
     start = small.vertices.ravel()
     before = violation(start)
     if before <= tolerance and not _crooked(goal, small):
-        return OptimizeResult(goal.name, mesh, mesh, "converged", (), before, surface=surface)
+        return OptimizeResult(
+            goal.name, mesh, mesh, "converged", (), before, surface=surface, pane=allowed.pane
+        )
     _refuse_impossible(goal, small, constraints, boundary, 100 * tolerance)
     problem = net_problem(
         small,
@@ -158,6 +162,7 @@ def reach(
         surface=None if surface is None else SmoothSurface(frame.inside(surface)),
         features=sharp,
         rim=None if rim is None else frame.inside(rim),
+        extra=_wishes(small, frame, allowed),
     )
     expected = _expected(problem, frame)
     history: list[tuple[str, Step]] = []
@@ -180,6 +185,7 @@ def reach(
         surface=surface,
         prices=_prices(problem, frame, path.waypoints),
         forecast=expected,
+        pane=allowed.pane,
     )
     missed = list(allowed.exceeded(result.change))
     if path.status != "converged":
@@ -194,6 +200,13 @@ def reach(
     if throw:
         raise OptimizeError(_complaint(result, missed), result=result)
     return result
+
+
+def _wishes(mesh: Mesh, frame: Frame, limits: Limits) -> tuple[Term, ...]:
+    """Wishes of limits: panes no larger than what is made."""
+    if limits.pane is None:
+        return ()
+    return (pane_wish(mesh, (limits.pane[0] / frame.unit, limits.pane[1] / frame.unit)),)
 
 
 def _tolerance(goal: NetGoal, flat_percent: float | None) -> float:
@@ -306,6 +319,9 @@ def _advice(
     if not met:
         best = min((p.percent for p in result.prices), default=0.0)
         return (("flat", float(f"{1.1 * best:.2g}")),) if best else ()
+    if limits.kinds(result.change) == {"pane"}:
+        size = np.multiply(limits.pane or (), misfit(result.mesh, limits.pane or (1, 1)).max())
+        return (("max_pane", tuple(float(f"{1.01 * v:.3g}") for v in size)),)
     if way := other_way(result, keep, limits):
         return way
     if keep != "close" and not (isinstance(keep, float | int) and keep <= 0.2):
@@ -383,6 +399,7 @@ def advice_text(advice: tuple[tuple[str, object], ...]) -> str:
         "keep": "keep faces smooth rather than the surface"
         if value == "fair"
         else "keep the surface rather than smooth faces",
+        "max_pane": "give a finer mesh, or allow larger panes",
         TRACE: TRACE_REASON,
         "distance_limit": "let the edges follow other directions, use a finer mesh, or allow it",
     }.get(name, "try")

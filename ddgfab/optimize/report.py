@@ -10,6 +10,7 @@ import numpy as np
 from ddgfab.optimize.change import Change
 from ddgfab.optimize.families_goal import FamiliesResult
 from ddgfab.optimize.limits import ids
+from ddgfab.optimize.pane_size import misfit, pane_sizes
 from ddgfab.optimize.result import OptimizeResult
 from ddgfab.optimize.torsion_goal import TorsionFreeResult
 
@@ -36,6 +37,13 @@ def comparison(result: OptimizeResult) -> dict[str, Any]:
         "movement_worst": [[int(v), float(result.movement[v])] for v in order],
         "design": change_numbers(result.change),
         "prices": [asdict(price) for price in result.prices],
+        "max_pane": None
+        if result.pane is None
+        else {
+            "limit": list(result.pane),
+            "largest": pane_sizes(result.mesh, result.pane).max(axis=0).tolist(),
+            "used": float(misfit(result.mesh, result.pane).max()),
+        },
         "forecast": None if result.forecast is None else asdict(result.forecast),
         **_own(result),
         "remarks": list(result.remarks),
@@ -102,6 +110,13 @@ def change_lines(result: OptimizeResult) -> list[str]:
         "zigzag: bends at edges differ from those beside them by "
         f"{zigzag[1]:.1f} deg (root mean square; before {zigzag[0]:.1f})",
     ]
+    if result.pane is not None:
+        short, long = pane_sizes(change.after, result.pane).max(axis=0)
+        worst = misfit(change.after, result.pane).max()
+        lines.append(
+            f"largest pane {short:.4g} x {long:.4g} {unit} ({100 * worst:.0f} % of the "
+            f"{result.pane[0]:g} x {result.pane[1]:g} that may be)"
+        )
     for label, faces in (
         ("quads with new reflex corners", change.reflex_quads),
         ("larger faces with new reflex corners", change.reflex_polygons),

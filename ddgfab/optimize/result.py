@@ -66,6 +66,7 @@ class OptimizeResult:
     prices : what less flat results would cost, from coarse to fine
     forecast : what was expected before solving, or None
     advice : options to try next where the goal was missed, as (name, value)
+    pane : lengths of the largest pane that was asked for; `original` is divided for it
     """
 
     goal: str
@@ -79,6 +80,7 @@ class OptimizeResult:
     prices: tuple[Price, ...] = ()
     forecast: Forecast | None = None
     advice: tuple[tuple[str, object], ...] = ()
+    pane: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
         return (

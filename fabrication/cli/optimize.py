@@ -65,6 +65,9 @@ def optimize_command(
     features: Annotated[
         float | None, typer.Option(help="Edges sharper than this [deg] need not stay smooth.")
     ] = None,
+    max_pane: Annotated[
+        str | None, typer.Option(help="Largest pane [mm]: 1500,2500; quads are divided.")
+    ] = None,
     max_movement: Annotated[
         float | None, typer.Option(help="Greatest movement of a vertex [mm].")
     ] = None,
@@ -120,6 +123,7 @@ def optimize_command(
             keep=None if keep is None else value_of(keep, "--keep"),
             boundary=boundary,
             fix=None if fix is None else _ids(fix),
+            max_pane_mm=None if max_pane is None else _pane(max_pane),
             feature_angle_deg=None if features is None else float(features),
             max_movement_mm=None if max_movement is None else float(max_movement),
         )
@@ -200,6 +204,19 @@ def _ids(text: str) -> list[int]:
     return [int(item) for item in items]
 
 
+def _pane(text: str) -> list[float]:
+    """`1500,2500` as two lengths."""
+    from ddgfab.errors import InputError, clipped
+
+    try:
+        first, second = (float(item) for item in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"--max-pane {clipped(text)}: expected two lengths in mm, such as 1500,2500"
+        ) from None
+    return [first, second]
+
+
 def _stem(source: Path) -> str:
     """The name of a mesh file without its endings."""
     return Path(source.name.removesuffix(".gz")).stem or "mesh"
@@ -241,7 +258,11 @@ def _write_missed(
         run.fail(f"next: {command.text(changed)}")
 
 
-_KEYS: Final = {"flat": "flat_percent", "distance_limit": "distance_limit_edges"}
+_KEYS: Final = {
+    "flat": "flat_percent",
+    "distance_limit": "distance_limit_edges",
+    "max_pane": "max_pane_mm",
+}
 """Keys of [optimize] for options of `ddgfab.optimize.optimize` with other names."""
 
 _OPTIONS: Final = {

@@ -50,6 +50,7 @@ def optimized_mesh(
         distance_limit=settings.distance_limit_edges,
         rise_limit=settings.rise_limit_percent / 100,
         zigzag_limit=math.radians(settings.zigzag_limit_deg),
+        max_pane=settings.max_pane_mm,
         **_own_options(settings, rim),
         progress=lambda stage, number, step: report(f"optimize: {stage}", number, 0),
     )

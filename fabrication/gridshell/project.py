@@ -169,6 +169,7 @@ OPTIMIZE_OPTIONS: Final[dict[str, tuple[str, ...]]] = {
     "distance_limit_edges": _NETS,
     "rise_limit_percent": _NETS,
     "zigzag_limit_deg": _NETS,
+    "max_pane_mm": _NETS,
     "axes_only": ("torsion-free",),
     "max_lean_deg": ("torsion-free",),
     "families_of": ("families",),
@@ -193,6 +194,7 @@ class OptimizeSettings(Section):
     rise_limit_percent : a mesh that keeps less of its rise is an error
     zigzag_limit_deg : a mesh whose bends differ from edge to edge by so much more than before
         (root mean square) is crumpled, and an error
+    max_pane_mm : lengths of the largest pane, [1500, 2500]: quads are divided until they fit
     fix : "none", "boundary", or ids of vertices that stay
     boundary : what boundary vertices may do: "free", "glide" along the boundary, "fixed"
     feature_angle_deg : edges sharper than this are features, which need not stay smooth
@@ -208,6 +210,7 @@ class OptimizeSettings(Section):
     keep: Keep | Positive = "balanced"
     distance_limit_edges: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.25, 1.0)
     rise_limit_percent: Annotated[float, Field(ge=0, lt=100)] = 80.0
+    max_pane_mm: Annotated[tuple[Positive, Positive], Field(strict=False)] | None = None
     zigzag_limit_deg: Annotated[float, Field(gt=0, le=180)] = 8.0
     fix: Literal["none", "boundary"] | VertexIds = "none"
     boundary: Boundary = "free"

@@ -15,6 +15,7 @@ from ddgfab.io import read_mesh, write_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import Change
+from ddgfab.optimize.pane_size import misfit
 from fabrication import design
 from fabrication.cli import app
 from fabrication.cli.common import Reading
@@ -223,3 +224,20 @@ def test_crumpled_roofs_name_the_trace_with_the_unit_of_the_file(tmp_path: Path)
     assert 1000 < float(words[words.index("--spacing") + 1]) < 1200
     assert words[words.index("--units") + 1] == "m"
     assert (tmp_path / "flat.missed.obj").exists()
+
+
+def test_panes_no_larger_than_what_is_made(roof: Path, tmp_path: Path) -> None:
+    target = tmp_path / "flat.obj"
+    code, said = run("optimize", roof, "-o", target, "--max-pane", "700,1100", "--no-picture")
+    assert code == 0, said
+    assert misfit(read_mesh(target).mesh, (700.0, 1100.0)).max() <= 1 + 1e-6
+    assert read_mesh(target).mesh.n_faces > read_mesh(roof).mesh.n_faces
+    assert "largest pane" in said
+    code, said = run("optimize", roof, "-o", target, "--max-pane", "wide", "--no-picture")
+    assert code == 2
+    assert "--max-pane wide: expected two lengths in mm, such as 1500,2500" in said
+    settings = "[net]\nfile = 'roof.obj'\n[optimize]\ngoal = 'planar'\nmax_pane_mm = [700, 1100]\n"
+    (tmp_path / "job.toml").write_text(settings)
+    job = design(tmp_path / "job.toml")
+    assert misfit(job.mesh, (700.0, 1100.0)).max() <= 1 + 1e-9
+    assert not job.gridshell.problems

@@ -107,6 +107,22 @@ def edge_lengths(
 
 
 @checked
+def edge_bounds(mesh: Mesh, high: Floats, *, weight: float = 1.0) -> Lengths:
+    """Edges no longer than (E,) bounds of their own, in the unit of the mesh; may be infinite."""
+    ids = np.flatnonzero(np.isfinite(high))
+    return Lengths(
+        name="edge length",
+        index=_unknowns(mesh.edges[ids]),
+        factor=1.0 / mean_edge(mesh),
+        weight=weight,
+        of="edge",
+        elements=ids,
+        low=0.0,
+        high=high[ids],
+    )
+
+
+@checked
 def panel_size(
     mesh: Mesh,
     limit: float,
