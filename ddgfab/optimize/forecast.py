@@ -77,5 +77,5 @@ def forecast_text(forecast: Forecast, unit: str = "mm") -> str:
         )
     return (
         f"planar faces: edges do not follow conjugate directions; expect {distance} ({edges}), "
-        "with creases or flattened parts; a traced net follows them (ddgfab trace)"
+        "with creases or flattened parts; a traced net follows them (ddgfab optimize --retrace)"
     )

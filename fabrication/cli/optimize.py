@@ -153,7 +153,7 @@ def optimize_command(
             if debug:
                 raise
             run.stop()
-            missed = _Command(source, output, reading, given)
+            missed = _Command(source, output, reading, given, anew=anew)
             _write_missed(run, error, missed, target, read.origin)
             raise typer.Exit(FAILED) from None
         record = {"file": read.file, "sha256": read.sha256, **comparison(result)}
@@ -280,7 +280,13 @@ class _Command:
     """The command as given, to be printed again with other settings."""
 
     def __init__(
-        self, source: Path, output: Path | None, reading: Reading, settings: dict[str, Any]
+        self,
+        source: Path,
+        output: Path | None,
+        reading: Reading,
+        settings: dict[str, Any],
+        *,
+        anew: bool,
     ) -> None:
         self.begin = ["ddgfab", "optimize", str(source)]
         if output is not None:
@@ -288,10 +294,16 @@ class _Command:
         self.source = source
         self.placed = Reading(reading.units, reading.scale).arguments()
         self.begin += reading.arguments()
+        self.anew = anew
         self.settings = settings
 
     def traced(self, spacing: object) -> str:
-        """The command that traces another net on the surface of the mesh."""
+        """The command that traces another net: of the same spacing, then one to be looked at."""
+        if not self.anew and "fix" not in self.settings:
+            settings = {key: value for key, value in self.settings.items() if key != "keep"}
+            again = _Command(self.source, None, Reading(), settings, anew=True)
+            again.begin = self.begin
+            return again.text({})
         net = f"{_stem(self.source)}-net.obj"
         words = ["ddgfab", "trace", str(self.source), "-o", net, "--spacing", f"{spacing:g}"]
         return shlex.join(words + self.placed)
@@ -300,7 +312,7 @@ class _Command:
         """It with these settings changed."""
         from fabrication.project.toml import argument_text
 
-        arguments = list(self.begin)
+        arguments = [*self.begin, *(["--retrace"] if self.anew else [])]
         for key, value in {**self.settings, **changed}.items():
             if key == "goal" and value == PLANAR:
                 continue

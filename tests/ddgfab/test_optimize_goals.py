@@ -338,7 +338,7 @@ def test_the_forecast_tells_which_edges_can_turn_in_the_surface() -> None:
     assert not doubtful(smooth)
     assert "conjugate" not in forecast_text(smooth)
     assert doubtful(waves)
-    for part in ("do not follow conjugate directions", "ddgfab trace"):
+    for part in ("do not follow conjugate directions", "--retrace"):
         assert part in forecast_text(waves)
 
 
