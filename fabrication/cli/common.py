@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fabrication.cli.terminal import Program
+from fabrication.formats.registry import names
 
 if TYPE_CHECKING:
     from ddgfab.io import ReadResult
@@ -42,7 +43,7 @@ Verbose = Annotated[
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 Formats = Annotated[
-    str | None, typer.Option(help="Files to write, for instance step,stl,glb,csv,xlsx.")
+    str | None, typer.Option(help=f"Files to write, with commas between: {', '.join(names())}.")
 ]
 Jobs = Annotated[int | None, typer.Option(min=0, help="Processes; 0: one a core.")]
 DryRun = Annotated[

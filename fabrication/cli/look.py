@@ -96,7 +96,7 @@ def inspect_command(
 
 @app.command("check")
 def check_command(
-    files: Annotated[list[Path], typer.Argument(help="STEP, STL, 3MF or GLB files.")],
+    files: Annotated[list[Path], typer.Argument(help="Files that ddgfab makes: STEP, STL, ...")],
     quiet: Quiet = False,
     verbose: Verbose = False,
     debug: Debug = False,

@@ -24,7 +24,7 @@ from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.trace.reference import reference_mesh
 from fabrication.families import families
 from fabrication.gridshell.axes import node_axes, notes_on_axes
-from fabrication.gridshell.detailing import Gridshell, detail
+from fabrication.gridshell.detailing.gridshell import Gridshell, detail
 from fabrication.gridshell.load import load_project, project_for_mesh
 from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.project import MESH, SURFACE, Project

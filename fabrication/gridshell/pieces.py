@@ -71,7 +71,7 @@ class Node:
     arms: tuple[Arm, ...]
     shape: Shape
     placement: Placement
-    kind: Kind = field(default=NODE, init=False)
+    kind: Kind = NODE
     checks: tuple[Check, ...] = ()
 
 

@@ -18,6 +18,7 @@ from ddgfab.suggest import suggestion
 from ddgfab.support import SupportKind
 from ddgfab.surfaces.analytic import SURFACES
 from ddgfab.tolerances import LEAN_LIMIT_DEG
+from fabrication.gridshell.detailing.nodes import registry as nodes
 from fabrication.project.sections import (
     Degrees,
     Finite,
@@ -290,7 +291,7 @@ class NodeSettings(Section):
 
     Attributes
     ----------
-    kind : "cylinder" (solid) or "tube"
+    kind : one of the registry of nodes, such as "cylinder" (solid) or "tube"
     diameter_mm : "auto" = the least of the series that fits the whole project, or a number
     series_mm : diameters to choose from; empty: round bars EN 10060, or tubes EN 10210-2
     min_diameter_mm : "auto" takes no less: room for weld or bolt, and for the mark
@@ -302,7 +303,7 @@ class NodeSettings(Section):
     density : kg/m3; default steel, EN 1991-1-1
     """
 
-    kind: Literal["cylinder", "tube"] = "cylinder"
+    kind: str = "cylinder"
     diameter_mm: Literal["auto"] | Positive = "auto"
     series_mm: tuple[Positive, ...] = Field(default=(), strict=False)
     min_diameter_mm: NotNegative = 40.0
@@ -313,6 +314,26 @@ class NodeSettings(Section):
     height_step_mm: Positive = 1.0
     bolt: BoltSize = "none"
     density: Positive = density("steel")
+
+    @classmethod
+    def choices(cls) -> Mapping[str, Sequence[str]]:
+        """The kinds by name."""
+        return {"kind": nodes.names()}
+
+    @field_validator("kind")
+    @classmethod
+    def _known(cls, value: str) -> str:
+        if value not in nodes.names():
+            raise ValueError(f'"{value}" is unknown; {suggestion(value, nodes.names())}')
+        return value
+
+    @model_validator(mode="after")
+    def _own_keys(self) -> NodeSettings:
+        for key in sorted(self.changed() - {"kind"}):
+            if (kinds := nodes.kinds_of(key)) and self.kind not in kinds:
+                shown = " or ".join(f'"{kind}"' for kind in kinds)
+                raise ValueError(f'{key} is for kind = {shown}, not for "{self.kind}"')
+        return self
 
 
 class PanelSettings(Section):

@@ -17,7 +17,7 @@ import numpy as np
 
 from ddgfab.mesh import Floats
 from fabrication.families import families as make_families
-from fabrication.gridshell.detailing import Gridshell
+from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.pieces import Beam, Node, Panel
 from fabrication.gridshell.project import Project
 from fabrication.parts.beam import BEAM
@@ -192,7 +192,7 @@ def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
 
 def _instances(families: Sequence[Family], kind: Kind) -> Iterator[tuple[Family, Instance]]:
     for family in families:
-        if family.kind == kind:
+        if family.kind.role == kind.role:
             for instance in family.instances:
                 yield family, instance
 

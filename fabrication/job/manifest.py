@@ -80,7 +80,7 @@ def part_record(
     bbox_mm: Floats,
     checks: Iterable[Check],
 ) -> dict[str, Any]:
-    """A part of the manifest, as product.md says.
+    """A part of the manifest.
 
     Parameters
     ----------

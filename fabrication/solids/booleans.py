@@ -54,7 +54,7 @@ def cut_solid(cut: Cut) -> TopoDS_Solid:
     if not operation.IsDone() or len(solids) != 1:
         raise KernelError(
             f"the kernel's cut left {len(solids)} solids instead of one; check the part's "
-            f"dimensions, or use flat ends and blind holes on seats, which need no cut"
+            f"dimensions, or take a shape that needs no cut"
         )
     return solids[0]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ddgfab.mesh import Floats, Mesh, unit
-from fabrication.gridshell.detailing import Gridshell, detail
+from fabrication.gridshell.detailing.gridshell import Gridshell, detail
 from fabrication.gridshell.load import make_project
 
 

@@ -10,7 +10,7 @@ from detailing_cases import Case, central, dome, fan, grid, hexagons, placed, ve
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
-from fabrication.gridshell.detailing import Gridshell
+from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.pieces import Beam
 from fabrication.parts.beam import fibre_ends
 from fabrication.standards.profiles import z_range

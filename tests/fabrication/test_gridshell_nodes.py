@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Mesh, unit
-from fabrication.gridshell.detailing.radius import least_radii
+from fabrication.gridshell.detailing.arm_room import least_radii
 from fabrication.parts.beam import fibre_ends
 from fabrication.standards import node_diameters
 

@@ -11,9 +11,9 @@ from detailing_cases import Case, central, dome, grid, hexagons, placed, vertica
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats, Mesh
-from fabrication.gridshell.detailing import Gridshell
 from fabrication.gridshell.detailing.clearance import steel_heights
 from fabrication.gridshell.detailing.frames import edge_frames
+from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.detailing.panels import face_planes
 from fabrication.gridshell.pieces import Panel
 from fabrication.solids.polygon import area, least_rectangle, turns

@@ -20,7 +20,7 @@ from ddgfab.support import support_structure
 from ddgfab.support.asymptotic import surface_normals
 from fabrication import design, make
 from fabrication.gridshell.design import Design
-from fabrication.gridshell.detailing import Gridshell
+from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.pieces import Beam
 from fabrication.standards.profiles import z_range
 

@@ -1,5 +1,1 @@
 """Support structure -> specs: beams, nodes and panels as plain numbers."""
-
-from fabrication.gridshell.detailing.gridshell import Gridshell, detail
-
-__all__ = ["Gridshell", "detail"]

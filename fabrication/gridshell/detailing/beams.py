@@ -15,7 +15,7 @@ from fabrication.gridshell.detailing.frames import (
     node_mark,
     panel_mark,
 )
-from fabrication.gridshell.detailing.radius import NodeSize
+from fabrication.gridshell.detailing.nodes.base import NodeSize
 from fabrication.gridshell.pieces import Beam
 from fabrication.gridshell.project import Project, bolt_diameters
 from fabrication.parts.beam import BeamShape, CrossHole, EndCut

@@ -8,8 +8,8 @@ import numpy as np
 
 from ddgfab.mesh import Floats, Mesh
 from fabrication.gridshell.detailing.frames import EdgeFrames, panel_mark
+from fabrication.gridshell.detailing.nodes.base import NodeSize
 from fabrication.gridshell.detailing.panels import Planes, outward_normals
-from fabrication.gridshell.detailing.radius import NodeSize
 from fabrication.gridshell.project import Project
 from fabrication.specs import Profile
 from fabrication.standards.profiles import z_range

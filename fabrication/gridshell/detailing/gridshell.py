@@ -9,12 +9,15 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Mesh
+from fabrication.gridshell.detailing.arm_room import arm_width, close_arms
 from fabrication.gridshell.detailing.beams import beam_specs, end_cuts
 from fabrication.gridshell.detailing.clearance import panel_offset, steel_heights
 from fabrication.gridshell.detailing.frames import Axes, arms_of, edge_frames, node_mark
-from fabrication.gridshell.detailing.nodes import end_heights, node_ends, node_specs
+from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
+from fabrication.gridshell.detailing.nodes.heights import end_heights, node_ends
+from fabrication.gridshell.detailing.nodes.pieces import node_specs
+from fabrication.gridshell.detailing.nodes.registry import find
 from fabrication.gridshell.detailing.panels import face_planes, not_flat, panel_specs
-from fabrication.gridshell.detailing.radius import NodeSize, arm_width, close_arms, node_size
 from fabrication.gridshell.load import make_project
 from fabrication.gridshell.pieces import Beam, Node, Panel
 from fabrication.gridshell.project import Project
@@ -93,12 +96,13 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     profile = project.beam.section()
     frames = edge_frames(mesh, axes)
     arms = arms_of(mesh, axes, frames)
-    size = node_size(arms, arm_width(frames, profile, project), profile, project)
+    joints = Joints(frames, arms, arm_width(frames, profile, project), profile, project)
+    size = find(project.node.kind).fit(joints)
     cuts = end_cuts(frames, size, project.beam.eccentricity_mm)
     beams = beam_specs(mesh, frames, cuts, size, profile, project)
     low, middle, high = end_heights(frames, arms, size, profile, project)
     ends = node_ends(mesh, arms, low, high, project)
-    nodes = node_specs(mesh, axes, arms, size, ends, middle, profile, project)
+    nodes = node_specs(mesh, axes, joints, size, ends, middle)
     panels: tuple[Panel, ...] = ()
     offset, problem = 0.0, None
     if project.panel.kind != "none":
