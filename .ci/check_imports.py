@@ -75,6 +75,7 @@ ROOMS = [
     "motion",
     "linkage",
     "cli",
+    "start",
 ]
 
 # Products share rooms, and know nothing of each other.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fabrication.cli import main
+from fabrication.start import main
 
 if __name__ == "__main__":
     main()

@@ -9,7 +9,7 @@ import zlib
 from pathlib import Path
 from typing import Final
 
-from ddgfab.errors import MeshError
+from ddgfab.errors import MeshError, clipped
 from ddgfab.io.regular import read_regular
 
 LIMIT_BYTES = 128 * 1024 * 1024
@@ -78,10 +78,12 @@ def unknown_format(path: Path, known: tuple[str, ...]) -> MeshError:
     suffix = suffix_of(path)
     if suffix in ADVICE:
         return MeshError(f"{suffix} is not read: it {_verb(ADVICE[suffix])}", file=str(path))
-    shown = f"'{suffix}'" if suffix else "a name without suffix"
-    return MeshError(
-        f"unknown kind of mesh file {shown}; known: {', '.join(known)}", file=str(path)
-    )
+    shown = f"unknown kind of mesh file '{clipped(suffix)}'"
+    if not suffix:
+        shown = (
+            "is a folder" if path.is_dir() else "a name without suffix says no kind of mesh file"
+        )
+    return MeshError(f"{shown}; known: {', '.join(known)}", file=str(path))
 
 
 def _verb(advice: str) -> str:

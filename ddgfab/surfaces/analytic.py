@@ -144,6 +144,11 @@ SURFACES: Final[dict[str, Callable[..., SplineSurface]]] = {
 """Surfaces by name."""
 
 
+SMALLEST: Final = 1e-3
+LARGEST: Final = 1e9
+"""Lengths [mm] and other sizes of a surface lie between these."""
+
+
 def surface_parameters(name: str) -> dict[str, float]:
     """Parameters of a surface of `SURFACES`, with their defaults."""
     known = inspect.signature(SURFACES[name]).parameters
@@ -167,6 +172,8 @@ def named_surface(name: str, parameters: Mapping[str, Any] | None = None) -> Spl
             raise InputError(f"{name}: {key} is unknown; {suggestion(key, known)}")
         if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
             raise InputError(f"{name}: {key} = {value!r} must be a finite number")
-        if not key.endswith("_deg") and not value > 0:
-            raise InputError(f"{name}: {key} = {value:g} must be greater than 0")
+        if not key.endswith("_deg") and not SMALLEST <= value <= LARGEST:
+            raise InputError(
+                f"{name}: {key} = {value:g} must lie between {SMALLEST:g} and {LARGEST:g}"
+            )
     return SURFACES[name](**dict(parameters or {}))

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 from ddgfab.errors import ProjectError, clipped
 from ddgfab.suggest import nearest
 from fabrication.project.read import merged, parse_toml
+
+DEEPEST: Final = 4
+"""No setting lies in more tables than this, within its section."""
 
 Sections = dict[str, dict[str, Any]]
 """Settings by section and key."""
@@ -36,6 +39,8 @@ def sections_of(changes: Sequence[str] | None, only: str | None = None) -> Secti
             raise ProjectError(
                 f"--set {clipped(change)}: expected section.key=value, such as {example}"
             )
+        if key.count(".") > DEEPEST or not all(part.strip() for part in key.split(".")):
+            raise ProjectError(f"--set {clipped(change)}: {clipped(key)} is not a key")
         if only is not None and section != only:
             meant = nearest(section, [only])
             hint = f"did you mean {only}.{clipped(key)}?" if meant else f"it takes {only}.key=value"

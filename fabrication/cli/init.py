@@ -83,7 +83,7 @@ def _is_linkage(source: str) -> bool:
 
 def _gridshell(source: str | None, sections: Sections) -> Project:
     """The project of `ddgfab make` with this source."""
-    from ddgfab.errors import InputError
+    from ddgfab.errors import InputError, clipped
     from ddgfab.forms.registry import kinds
     from ddgfab.suggest import suggestion
     from fabrication.gridshell.design import find_project
@@ -93,7 +93,8 @@ def _gridshell(source: str | None, sections: Sections) -> Project:
         return find_project(source, sections)
     if source not in kinds():
         raise InputError(
-            f"{source} is neither a kind of net nor a file; {suggestion(source, kinds())}"
+            f'"{clipped(source)}" is neither a kind of net nor a file; '
+            f"{suggestion(source, kinds())}"
         )
     return make_project({**sections, "net": {"kind": source, **sections.get("net", {})}})
 

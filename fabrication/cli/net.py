@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -12,6 +12,9 @@ from fabrication.cli.terminal import Session, session
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Mesh
+
+FARTHEST_MM: Final = 1e6
+"""No parallel net is farther away [mm]."""
 
 
 @app.command("net")
@@ -63,6 +66,8 @@ def net_command(
         net = make_project({"net": given}).net
         mesh, summary = generate(net.kind, net.parameters), entry.summary
         if offset is not None:
+            if not abs(offset) <= FARTHEST_MM:
+                raise InputError(f"--offset {offset:g}: at most {FARTHEST_MM:g} mm to either side")
             from ddgfab.offsets import exact_offset
 
             mesh, report = exact_offset(mesh, offset)

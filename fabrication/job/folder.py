@@ -171,7 +171,7 @@ def _require_ours(target: Path) -> None:
         raise explain(error, target) from error
     if not empty:
         raise OutputError(
-            f"{target}: exists and is no output folder of ddgfab (no {MANIFEST} of ours in it)\n"
+            f"{target}: exists and is not an output folder of ddgfab (no {MANIFEST} of it)\n"
             "Choose another folder with -o, or remove it yourself. Nothing was written."
         )
 

@@ -60,8 +60,7 @@ def _texts(value: object) -> Iterator[str]:
 
 def explain(error: ValidationError, model: type[BaseModel], origin: Origin) -> ProjectError:
     """One message for the first mistakes of a model's validation (at most three lines)."""
-    lines: list[str] = []
-    first: tuple[str | int, ...] = ()
+    found: list[tuple[tuple[str | int, ...], str]] = []
     seen: set[tuple[str | int, ...]] = set()
     problems = error.errors(include_url=False)
     for problem in problems:
@@ -70,15 +69,17 @@ def explain(error: ValidationError, model: type[BaseModel], origin: Origin) -> P
             continue  # further alternatives of the same key
         seen.add(path[:2])
         key = f"[{path[0]}]" + (f" {path[1]}" if len(path) > 1 else "")
-        line = origin.line(*path[:2])
-        if not first or origin.line(*first) is None:
-            first = path[:2]
         if problem["type"] == "extra_forbidden":
             message = unknown(key, str(path[1]), _section_keys(model, str(path[0])))
         else:
             same = [other for other in problems if other["loc"][:2] == path[:2]]
             message = _value_problem(model, key, path, problem, same)
-        lines.append(message if not lines or line is None else f"line {line}: {message}")
+        found.append((path[:2], message))
+    found.sort(key=lambda item: origin.line(*item[0]) is None)  # what stands in the file first
+    first, lines = found[0][0], [found[0][1]]
+    for path, message in found[1:]:
+        line = origin.line(*path)
+        lines.append(message if line is None else f"line {line}: {message}")
     if len(lines) > 3:
         lines = [*lines[:2], f"... and {len(lines) - 2} more"]
     return origin.error("\n".join(lines), *first)

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Final, Literal, TypeAlias, Union, get_args, g
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from fabrication.project.sections import Section
+from fabrication.project.sections import LARGEST, Section
 from fabrication.project.toml import toml_key, toml_text
 
 WIDTH: Final = 96
@@ -183,7 +183,7 @@ def _number(kind: str, metadata: list[Any]) -> str:
         name: getattr(part, name)
         for part in metadata
         for name in ("gt", "ge", "lt", "le")
-        if getattr(part, name, None) is not None
+        if getattr(part, name, None) not in (None, LARGEST, -LARGEST)
     }
     if limits.keys() == {"ge", "le"}:
         return f"{kind} from {limits['ge']:g} to {limits['le']:g}"

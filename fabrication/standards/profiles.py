@@ -25,6 +25,10 @@ LEAST_SIDE: Final = 0.1
 """A side of a free polygon shorter than this [mm] is taken for a slip."""
 
 
+WIDEST: Final = 1e4
+"""No corner of a free polygon is farther out [mm]."""
+
+
 @cache
 def profile(designation: str) -> Profile:
     """Profile of a designation: FL depth x width, RHS and T depth x width x thickness, SHS.
@@ -72,6 +76,8 @@ def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Profile
     if len(points) < 3 or any(len(point) != 2 for point in points):
         raise ProjectError("a profile polygon needs at least three corners [y, z] in mm")
     corners = np.array(points, dtype=np.float64)
+    if not (np.abs(corners) <= WIDEST).all():
+        raise ProjectError(f"a corner of the profile lies beyond {WIDEST:g} mm")
     if not np.isfinite(corners).all():
         raise ProjectError("a profile polygon has a coordinate that is not finite")
     ahead = np.roll(corners, -1, axis=0)

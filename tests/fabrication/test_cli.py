@@ -70,6 +70,32 @@ BAD = {
     "corner too round": (["--set", "panel.corner_radius_mm=900"], "P-0"),
     "beam too short": (["--set", "beam.min_length_mm=5000"], "B-0"),
     "another unit": (["--set", "project.scale=0.001"], "median edge"),
+    "a list without brackets": (["--set", "panel.max_size_mm=2500x1500"], "as [2500, 1500]"),
+    "a list too short": (["--set", "panel.max_size_mm=[1]"], "list such as [3210, 6000] is needed"),
+    "a list too long": (["--set", "panel.max_size_mm=[1, 2, 3]"], "must be a list of 2 values"),
+    "no list": (["--set", "output.formats=step"], 'a list such as ["step"'),
+    "no key": (["--set", "a"], "expected section.key=value, such as panel.gap_mm=15"),
+    "nothing": (["--set", ""], "expected section.key=value"),
+    "no section": (["--set", ".gap_mm=3"], "expected section.key=value"),
+    "a key in a key": (["--set", "panel.gap_mm.x=3"], "must be a number"),
+    "a very deep key": (["--set", f"panel{'.x' * 5000}=3"], "is not a key"),
+    "a key with holes": (["--set", "panel..gap_mm=3"], ".gap_mm is not a key"),
+    "too many digits": (["--set", f"panel.gap_mm={'9' * 5000}"], "has 5000 digits: too many"),
+    "beyond 64 bits": (["--set", f"output.jobs={2**63}"], "does not fit into 64 bits"),
+    "64 bits": (["--set", f"beam.density={2**63 - 1}"], "equal to 1000000000"),
+    "a huge number": (["--set", "node.diameter_mm=1e300"], "less than or equal to 1000000000"),
+    "a huge negative": (
+        ["--set", "panel.offset_mm=-1e300"],
+        "greater than or equal to -1000000000",
+    ),
+    "a huge profile": (["--set", "beam.profile=[[0,0],[1e300,0],[0,1]]"], "beyond 10000 mm"),
+    "not a number": (["--set", "panel.gap_mm=nan"], "finite number"),
+    "deep lists": (["--set", f"panel.gap_mm={'[' * 3000}"], "too deep"),
+    "NUL in a name": (["--set", 'project.name="a\\u0000b"'], "has the control character"),
+    "NUL in a path": (["--set", 'net.file="a\\u0000b.obj"'], "has the control character"),
+    "parameters": (["--set", "net.parameters=5"], "parameters is unknown"),
+    "a table": (["--set", "panel.gap_mm={}"], "gap_mm = {} must be a number"),
+    "a date": (["--set", "panel.gap_mm=2020-01-01"], "2020-01-01 must be a number"),
     "unknown format": (["--formats", "dwg"], "formats"),
     "unknown tier": (["--verify", "maybe"], "verify"),
 }
@@ -85,6 +111,26 @@ def test_bad_settings(words: list[str], said: str, roof: Path, tmp_path: Path) -
     assert len(message.strip().splitlines()) <= 3
     assert "Traceback" not in result.output
     assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_the_root_of_the_file_system_is_no_output(roof: Path) -> None:
+    words = [["make", roof], ["linkage"], ["net", "canal"], ["trace", "dome"], ["optimize", roof]]
+    for command in [*words, ["init"]]:
+        result = ddgfab(*command, "-o", "/")
+        assert result.exit_code == 2, result.output
+        assert "error: /: " in result.output
+        assert "fault" not in result.output
+
+
+def test_what_a_setting_changes_is_not_blamed_on_the_file(roof: Path) -> None:
+    project = roof.with_suffix(".toml")
+    project.write_text('[net]\nkind = "mesh"\nfile = "roof.obj"\n[panel]\ngap_mm = "a"\n')
+    said = ddgfab("make", project, "--set", "panel.thickness_mm=b").output
+    assert "roof.toml:5: [panel] gap_mm" in said
+    assert "[panel] thickness_mm" in said
+    said = ddgfab("make", project, "--set", "panel.gap_mm=b").output
+    assert "error: [panel] gap_mm = " in said
+    assert "roof.toml" not in said
 
 
 def test_a_truncated_mesh(roof: Path, tmp_path: Path) -> None:

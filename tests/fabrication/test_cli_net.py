@@ -69,6 +69,8 @@ def test_offset(tmp_path: Path) -> None:
         (["canal", "--set", "net.panels_alon=3"], "did you mean panels_along"),
         (["canal", "--set", "net.turn_deg=400"], "-180 to 180"),
         (["canal", "-o", "roof.stl"], ".obj, .off, .ply"),
+        (["canal", "--offset", "nan"], "--offset nan: at most 1e+06 mm"),
+        (["canal", "--offset", "1e300"], "at most 1e+06 mm"),
         (["translation", "--offset", "100"], "no offset at a constant distance"),
     ],
 )

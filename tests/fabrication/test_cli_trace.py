@@ -94,6 +94,8 @@ def test_plane_sections_are_plane(tmp_path: Path) -> None:
         (["saddle", "--set", "net.width=3"], "[net] width is unknown; did you mean width_mm"),
         (["saddle", "--set", "width_mm=3"], "such as net.width_mm=3"),
         (["saddle", "--set", "net.spacing_mm=-3"], "[net] spacing_mm = -3 must be greater than 0"),
+        (["ellipsoid-cap", "--set", "net.semi_x_mm=1e-300"], "must lie between 0.001 and 1e+09"),
+        (["saddle", "--set", "net.width_mm=1e300"], "must lie between 0.001 and 1e+09"),
         (["saddle", "--scale", "2"], "surfaces by name are in millimetres"),
         (["missing.step", "--set", "net.spacin_mm=3"], "did you mean spacing_mm"),
         (["saddle", "--spacing", "90000"], "spacing 90000"),

@@ -106,7 +106,10 @@ def test_a_folder_that_is_not_ours_is_refused_before_any_work(tmp_path: Path) ->
         fill(folder)
     for content in ("{}", "[]", '{"format_version": 1}', "not json"):
         (target / "manifest.json").write_text(content)
-        with pytest.raises(OutputError, match="no output folder of ddgfab"), OutputFolder(target):
+        with (
+            pytest.raises(OutputError, match="not an output folder of ddgfab"),
+            OutputFolder(target),
+        ):
             pytest.fail("entered")
     assert (target / "parts" / "a.step").exists()
     with pytest.raises(OutputError, match="is a file"), OutputFolder(target / "manifest.json"):

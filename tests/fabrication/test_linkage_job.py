@@ -442,6 +442,6 @@ def test_fewer_formats_and_a_folder_of_somebody_else(bennett: Kit, tmp_path: Pat
     assert endings == {".stl", ".csv", ".json", ".png"}
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "mine.txt").write_text("mine")
-    with pytest.raises(OutputError, match="no output folder of ddgfab"):
+    with pytest.raises(OutputError, match="not an output folder of ddgfab"):
         make(bennett, tmp_path / "taken")
     assert [path.name for path in (tmp_path / "taken").iterdir()] == ["mine.txt"]
