@@ -3,11 +3,14 @@
 Three tiers. Bounding boxes give the pairs that could be near (`fabrication.checks.nearness`);
 planes along their faces that separate them give lower bounds on their distance, which settles
 almost all; manifold3d measures what is left.
+
+A gap may fall short of its clearance by a tolerance, but no two pieces may overlap: pairs as near
+as their meshes are off are measured again on finer ones.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
@@ -17,12 +20,22 @@ from ddgfab.errors import KernelError
 from ddgfab.mesh import Floats, Ints
 from fabrication.checks.mesh import to_manifold
 from fabrication.checks.nearness import Supports, near_pairs, separations
+from fabrication.checks.overlaps import ROUNDING_MM
 from fabrication.specs import Check, Family, Role, TriangleMesh
 
 Clearances: TypeAlias = Mapping[tuple[Role, Role], float]
 
 TOUCH: Final = 0.01
 """How much [mm] a gap may fall short of its limit, for rounding and for faces that touch."""
+
+
+MIDDLE_MM: Final = 5e-3
+FINE_MM: Final = 2e-4
+"""Chord tolerances [mm] of the meshes that tell whether curved faces overlap: the finer ones where
+the others cannot. Overlaps less deep than that of both parts are not told from touching."""
+
+Finer: TypeAlias = Callable[[Family, float], TriangleMesh]
+"""The mesh of a part number within a chord tolerance [mm]."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +68,8 @@ def check_assembly(
     clearances: Clearances,
     *,
     tolerance: float = TOUCH,
+    overlap: float = ROUNDING_MM,
+    finer: Finer | None = None,
 ) -> dict[str, list[Check]]:
     """The clearance checks of every piece, by mark.
 
@@ -71,13 +86,18 @@ def check_assembly(
         forbids penetration only
     tolerance : how much [mm] a gap may fall short; add the meshes' chord tolerance where curved
         faces meet
+    overlap : depth [mm] up to which two meshes that overlap are taken to touch; by default that
+        of rounding, as if the meshes were the parts themselves
+    finer : where meshes stand for curved faces: gives finer ones, for pairs nearer than `tolerance`
 
     Raises
     ------
     KernelError
         A mesh is no closed manifold.
     """
-    report = examine_assembly(families, meshes, clearances, tolerance=tolerance)
+    report = examine_assembly(
+        families, meshes, clearances, tolerance=tolerance, overlap=overlap, finer=finer
+    )
     checks: dict[str, list[Check]] = {}
     for clash in report.clashes:
         for here, there in (clash.marks, clash.marks[::-1]):
@@ -98,6 +118,8 @@ def examine_assembly(
     clearances: Clearances,
     *,
     tolerance: float = TOUCH,
+    overlap: float = ROUNDING_MM,
+    finer: Finer | None = None,
 ) -> AssemblyReport:
     """Find every pair of pieces that is nearer than its clearance; see `check_assembly`."""
     pieces = [(i, instance) for i, f in enumerate(families) for instance in f.instances]
@@ -119,7 +141,15 @@ def examine_assembly(
         gaps[pair] = bodies.gap(
             owner[a], owner[b], placements[a], placements[b], needed[pair] + tolerance
         )
-    short = np.flatnonzero(gaps < needed - tolerance)
+    near = np.flatnonzero((gaps >= needed - tolerance) & (gaps < (tolerance if finer else 0.0)))
+    exact = _Exact(families, meshes, overlap, finer)
+    over = np.zeros(len(pairs), dtype=np.bool_)
+    for pair in near:
+        a, b = pairs[pair]
+        found = exact.gap(owner[a], owner[b], placements[a], placements[b])
+        over[pair] = found < 0
+        gaps[pair] = found if found < 0 else max(gaps[pair], 0.0)
+    short = np.flatnonzero((gaps < needed - tolerance) | over)
     marks = [instance.mark for _, instance in pieces]
     clashes = tuple(
         Clash((marks[pairs[p, 0]], marks[pairs[p, 1]]), float(gaps[p]), float(needed[p]))
@@ -146,6 +176,49 @@ def _least(
     return least
 
 
+class _Exact:
+    """Whether pieces overlap, on meshes that are the parts to `FINE_MM`."""
+
+    def __init__(
+        self,
+        families: Sequence[Family],
+        meshes: Mapping[str, TriangleMesh],
+        overlap: float,
+        finer: Finer | None,
+    ) -> None:
+        self._families, self._meshes = families, meshes
+        self._overlap, self._finer = overlap, finer
+        self._made: dict[tuple[int, float], tuple[Bodies, float]] = {}
+
+    def _body(self, number: int, chord: float) -> tuple[Bodies, float]:
+        """A part alone, and how far its mesh is off: nothing where it has no curved faces."""
+        key = number, chord
+        if key not in self._made:
+            family = self._families[number]
+            mesh, off = self._meshes[family.number], 0.0
+            if self._finer is not None:
+                fine = self._finer(family, chord)
+                off = chord if len(fine.triangles) != len(mesh.triangles) else 0.0
+                mesh = fine
+            self._made[key] = Bodies([mesh], [family.number]), off
+        return self._made[key]
+
+    def gap(self, a: int, b: int, at_a: Floats, at_b: Floats) -> float:
+        """Depth of an overlap [mm], negative; 0 where two pieces touch or are apart."""
+        motion = np.linalg.inv(at_a) @ at_b
+        for chord in (MIDDLE_MM, FINE_MM):
+            (one, off_a), (two, off_b) = self._body(a, chord), self._body(b, chord)
+            first, second = one.body(0), two.body(0).transform(motion[:3])
+            common = first ^ second
+            area, off = float(common.surface_area()), off_a + off_b
+            depth = 2.0 * float(common.volume()) / area if area > 0 else 0.0
+            if depth > self._overlap + off:
+                return -depth
+            if off == 0.0 or float(first.min_gap(second, 2 * off)) > off:
+                break  # finer meshes would say the same
+        return 0.0
+
+
 class Bodies:
     """manifold3d bodies of meshes, each made when first asked for; `names` are for messages."""
 
@@ -153,7 +226,14 @@ class Bodies:
         self._meshes, self._names = meshes, names
         self._made: dict[int, Any] = {}
 
-    def _body(self, number: int) -> Any:
+    def body(self, number: int) -> Any:
+        """The body of a mesh.
+
+        Raises
+        ------
+        KernelError
+            The mesh is no closed manifold.
+        """
         if number not in self._made:
             body = to_manifold(self._meshes[number])
             if body.status().name != "NoError":
@@ -167,7 +247,7 @@ class Bodies:
     def pair(self, a: int, b: int, at_a: Floats, at_b: Floats) -> tuple[Any, Any]:
         """Two placed bodies, the second in the frame of the first, where numbers are small."""
         motion = np.linalg.inv(at_a) @ at_b
-        return self._body(a), self._body(b).transform(motion[:3])
+        return self.body(a), self.body(b).transform(motion[:3])
 
     def gap(self, a: int, b: int, at_a: Floats, at_b: Floats, search: float) -> float:
         """Distance [mm] up to `search`; below zero the depth of the penetration.

@@ -25,6 +25,7 @@ from fabrication.parts.beam import BEAM
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
 from fabrication.pictures.change import write_change
+from fabrication.solids import mesh_of
 from fabrication.specs import Check, Family, Role, TriangleMesh
 from fabrication.table import Table
 
@@ -70,7 +71,11 @@ class GridshellProduct(Product):
     def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:
         """Gaps between neighbours that passed their limits; what is rejected clashes with none."""
         return check_assembly(
-            self._within_limits(), meshes, clearances(self.design), tolerance=2 * CHORD_MM
+            self._within_limits(),
+            meshes,
+            clearances(self.design),
+            tolerance=2 * CHORD_MM,
+            finer=lambda family, chord: mesh_of(family.shape, chord),
         )
 
     def _within_limits(self) -> list[Family]:

@@ -130,9 +130,9 @@ def test_faces_that_touch_pass_and_overlaps_are_measured_by_their_depth() -> Non
         return faults(check_assembly(families, meshes, {}))
 
     assert found(60.0) == {}
-    assert found(59.995) == {}  # within the tolerance
-    ((_, depth),) = found(59.9)["B-0000"]
-    assert depth == pytest.approx(-0.1, rel=0.05)
+    for overlap in (1e-4, 0.005, 0.1):
+        ((_, depth),) = found(60.0 - overlap)["B-0000"]
+        assert depth == pytest.approx(-overlap, rel=0.05)
 
 
 def test_a_part_inside_another_is_found() -> None:
