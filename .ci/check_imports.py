@@ -24,6 +24,7 @@ INSIDE_FUNCTIONS_ONLY = {
     "lib3mf",
     "plotly",
     "rectpack",
+    "rhino3dm",
 }
 # A room (module or folder) of ddgfab may import itself and the rooms before it.
 GEOMETRY_ROOMS = [

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -32,6 +32,7 @@ __all__ = [
     "LIMIT_BYTES",
     "SHORTEST_MEDIAN_MM",
     "STATED",
+    "Parser",
     "ReadResult",
     "Unit",
     "Up",
@@ -50,7 +51,10 @@ __all__ = [
 STATED: Final = "stated"
 """For `read_mesh`: the unit that the file states."""
 
-_PARSERS: dict[str, Callable[[bytes, str], RawMesh]] = {
+Parser: TypeAlias = Callable[[bytes, str], RawMesh]
+"""From the content of a file and its name to what it states."""
+
+_PARSERS: dict[str, Parser] = {
     ".obj": parse_obj,
     ".off": parse_off,
     ".ply": parse_ply,
@@ -110,6 +114,7 @@ def read_mesh(
     flip: bool = False,
     quads: bool = False,
     limit_bytes: int = LIMIT_BYTES,
+    readers: Mapping[str, Parser] | None = None,
 ) -> ReadResult:
     """Read a polygon mesh; the suffix says the format: .obj, .off, .ply, .stl or .json (COMPAS).
 
@@ -128,6 +133,8 @@ def read_mesh(
     flip : turn all faces over
     quads : merge pairs of triangles into quads
     limit_bytes : largest file that is read
+    readers : parsers of further formats by suffix (".3dm"): content and name of a file to what it
+        states
 
     Raises
     ------
@@ -140,9 +147,10 @@ def read_mesh(
         raise MeshError(f"scale {scale}: a positive number is needed")
     if merge is not None and not (np.isfinite(merge) and merge >= 0):
         raise MeshError(f"merge distance {merge}: a length of 0 or more is needed")
-    parse = _PARSERS.get(suffix_of(path))
+    parsers = {**_PARSERS, **(readers or {})}
+    parse = parsers.get(suffix_of(path))
     if parse is None:
-        raise unknown_format(path, tuple(_PARSERS))
+        raise unknown_format(path, tuple(parsers))
     data, digest = load_bytes(path, limit_bytes)
     raw = own_axes(parse(data, str(path)))
     if units is not None:

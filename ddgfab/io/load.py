@@ -17,15 +17,19 @@ LIMIT_BYTES = 128 * 1024 * 1024
 
 _MESH = "export a polygon mesh: OBJ, OFF, PLY or STL"
 _SOLID = f"holds exact surfaces, no mesh: mesh it in your CAD program and {_MESH}"
+_SURFACE = (
+    "holds exact surfaces, no mesh: `ddgfab trace` lays a net on a face of it, or mesh it in your "
+    f"CAD program and {_MESH}"
+)
 _DRAWING = (
     "is a drawing: export the faces as a mesh (OBJ, OFF, PLY, STL), or the bars as OBJ lines ('l')"
 )
 _SCENE = f"is a scene of a modelling program: {_MESH}"
 ADVICE: Final[dict[str, str]] = {
-    ".step": _SOLID,
-    ".stp": _SOLID,
-    ".iges": _SOLID,
-    ".igs": _SOLID,
+    ".step": _SURFACE,
+    ".stp": _SURFACE,
+    ".iges": _SURFACE,
+    ".igs": _SURFACE,
     ".brep": _SOLID,
     ".sat": _SOLID,
     ".x_t": _SOLID,
@@ -50,6 +54,8 @@ ADVICE: Final[dict[str, str]] = {
     ".max": _SCENE,
     ".usd": _SCENE,
     ".usdz": _SCENE,
+    ".3dm": "is a Rhino file: the program reads its meshes, from Python "
+    f"`fabrication.meshes_in.read_mesh`; or {_MESH}",
     ".gh": "is a Grasshopper definition: bake its mesh in Rhino and export OBJ",
     ".ghx": "is a Grasshopper definition: bake its mesh in Rhino and export OBJ",
     ".3mf": "holds solids for printing, triangles only: export OBJ, OFF, PLY or STL",

@@ -18,8 +18,24 @@ from ddgfab.linkages.mechanism import Mechanism
 FOLDED_RATIO = 1e-9
 """Below this value of tan(phi / 2) tan(psi / 2) the loop stays folded."""
 
+BESIDE_RIGHT_DEG = 60.0
+"""Twist that is advised where the other one is a right angle."""
+
 DESIGN = np.pi / 2
 """Driving angle [rad] of the design pose when none is asked for."""
+
+
+def _other_twist(a: float, alpha: float) -> str:
+    """A twist beta that moves beside the bar a, alpha; for messages.
+
+    At the same length there is the twist of the other hand, 180 deg - alpha, unless that is alpha
+    too: then another length goes with another twist.
+    """
+    other = 180.0 - np.degrees(alpha)
+    if abs(other - 90.0) >= 1.0:
+        return f"beta = {other:g} deg"
+    length = a / np.sin(alpha) * np.sin(np.radians(BESIDE_RIGHT_DEG))
+    return f"beta = {BESIDE_RIGHT_DEG:g} deg without b (it is then {length:.6g} mm)"
 
 
 @checked
@@ -78,7 +94,7 @@ def bennett(
         raise InputError(
             f"alpha = beta = {np.degrees(alpha):g} deg with a = b: this loop only folds "
             f"(tan(phi/2) tan(psi/2) = {ratio:.3g}); take twists that differ, such as "
-            f"beta = {180 - np.degrees(alpha):g} deg"
+            f"{_other_twist(a, alpha)}"
         )
     design = DESIGN if driver is None else float(driver)
     if not 0 < design < 2 * np.pi or abs(design - np.pi) < FOLDED_RATIO:

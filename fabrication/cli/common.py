@@ -85,7 +85,8 @@ class Reading:
 
     def read(self, path: Path) -> ReadResult:
         """The mesh of a file [mm]."""
-        from ddgfab.io import STATED, read_mesh
+        from ddgfab.io import STATED
+        from fabrication.meshes_in import read_mesh
 
         return read_mesh(
             path,

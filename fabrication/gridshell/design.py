@@ -15,7 +15,7 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.forms.generators import GENERATORS
 from ddgfab.forms.registry import find_generator, generate
-from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, read_mesh, unlikely_size
+from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, unlikely_size
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
@@ -30,6 +30,7 @@ from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.project import MESH, SURFACE, Project
 from fabrication.gridshell.schedules import schedules
 from fabrication.gridshell.traced import distance_note, traced_net
+from fabrication.meshes_in import read_mesh
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family, rejected
 from fabrication.table import Table

@@ -10,7 +10,6 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ddgfab.errors import InputError
-from ddgfab.io import read_mesh
 from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism
 from ddgfab.mesh import Floats
 from ddgfab.net import Net
@@ -18,6 +17,7 @@ from ddgfab.nets.knet import KNet
 from ddgfab.nets.knet.crab import crab_net
 from ddgfab.nets.knet.recover import recover_knet
 from fabrication.linkage.surfaces import SURFACES, check_numbers, surface_net
+from fabrication.meshes_in import read_mesh
 from fabrication.project.sections import Finite, Positive, Section
 
 Angle = Annotated[float, Field(gt=0, lt=360)]

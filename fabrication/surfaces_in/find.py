@@ -7,15 +7,16 @@ from pathlib import Path
 from typing import Any, Final
 
 from ddgfab.errors import InputError
-from ddgfab.io import STATED, read_mesh
+from ddgfab.io import STATED
 from ddgfab.surfaces.analytic import SURFACES, named_surface
 from ddgfab.surfaces.fit import fit_mesh
 from ddgfab.surfaces.spline import SplineSurface
+from fabrication.meshes_in import read_mesh
 
 CAD_SUFFIXES: Final = (".step", ".stp", ".iges", ".igs")
 """Files that the CAD kernel reads."""
 
-MESH_SUFFIXES: Final = (".obj", ".off", ".ply")
+MESH_SUFFIXES: Final = (".obj", ".off", ".ply", ".stl", ".3dm")
 """Meshes, to which a smooth surface is fitted; millimetres unless they state their unit."""
 
 

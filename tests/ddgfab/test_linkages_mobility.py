@@ -263,6 +263,15 @@ def test_bad_bennett(arguments: dict[str, float], words: str) -> None:
         bennett(**arguments)
 
 
+@pytest.mark.parametrize(("alpha", "word"), [(90, "beta = 60 deg without b"), (40, "beta = 140")])
+def test_the_twist_that_is_advised_moves(alpha: float, word: str) -> None:
+    angle = np.radians(alpha)
+    with pytest.raises(InputError, match=word) as caught:
+        bennett(60.0, angle, b=60.0, beta=angle)
+    beta = float(str(caught.value).partition("such as beta = ")[2].split()[0])
+    assert bennett(60.0, angle, beta=np.radians(beta)).mobility == 1
+
+
 def test_ratio_limit_and_its_advice() -> None:
     b = 100 * np.sin(BETA) / np.sin(ALPHA)
     bennett(100.0, ALPHA, b=b * (1 + 5e-10), beta=BETA)

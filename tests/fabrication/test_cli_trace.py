@@ -100,7 +100,7 @@ def test_plane_sections_are_plane(tmp_path: Path) -> None:
         (["missing.step", "--set", "net.spacin_mm=3"], "did you mean spacing_mm"),
         (["saddle", "--spacing", "90000"], "spacing 90000"),
         (["missing.step"], "no such file"),
-        (["roof.3dm"], 'unknown kind of surface file ".3dm"'),
+        (["roof.fbx"], 'unknown kind of surface file ".fbx"'),
         (["saddle", "--along", "1,2"], "expected three numbers"),
         (["saddle", "--along", "0,1,0", "--turn", "5"], "choose one"),
         ([], "which surface"),
