@@ -50,11 +50,13 @@ def inspect_command(
         from ddgfab.measures import inspect
         from ddgfab.redesign.advice import advise
         from ddgfab.support import SupportStructure
+        from ddgfab.transforms.curvature_range import curvature_range
         from fabrication.gridshell.foresight import foreseen_record, foreseen_text
 
         reading = Reading(units, scale, up, flip, quads, weld)
         read = reading.read(mesh)
         report = inspect(read.mesh)
+        curved = None if quiet else curvature_range(read.mesh)
         given = None
         if read.axes is not None:
             given = SupportStructure.of(read.mesh, read.axes, "given")
@@ -69,6 +71,7 @@ def inspect_command(
                 "origin_mm": read.origin.tolist(),
                 "notes": notes,
                 "axes": None if given is None else given.to_dict(),
+                "curvatures": None if curved is None else curved.to_dict(),
                 "planar_forecast": foreseen_record(read.mesh),
             }
             advice = advise(read.mesh)
@@ -84,7 +87,8 @@ def inspect_command(
             return
         advice = advise(read.mesh)
         name = shlex.join([str(mesh), *reading.arguments()])
-        rows = [] if advice is None else advice.lines(name)
+        rows = [] if curved is None else curved.lines()
+        rows += [] if advice is None else advice.lines(name)
         text = [report.text(), *(f"{title:<22}{said}" for title, said in rows)]
         run.result("\n".join(filter(None, [*text, foreseen_text(read.mesh)])))
         if given is not None:
