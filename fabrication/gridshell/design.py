@@ -33,6 +33,7 @@ from fabrication.gridshell.traced import distance_note, traced_net
 from fabrication.meshes_in import read_mesh
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family, rejected
+from fabrication.standards import lying
 from fabrication.table import Table
 
 if TYPE_CHECKING:
@@ -218,7 +219,8 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     kind = support_kind(project)
     support = node_axes(net.mesh, kind, project, net.axes)
     told = notes_on_axes(net.mesh, net.axes, support, project, kind)
-    net = replace(net, notes=(*net.notes, *told))
+    sideways = lying(project.beam.section())
+    net = replace(net, notes=(*net.notes, *told, *([sideways] if sideways else [])))
     stop("support structure")
     start("detail")
     gridshell = detail(net.mesh, support, project)

@@ -10,7 +10,7 @@ from fabrication.standards.data import (
     stock_size,
 )
 from fabrication.standards.printers import Printer, printer, printer_keys
-from fabrication.standards.profiles import polygon, profile
+from fabrication.standards.profiles import lying, polygon, profile
 
 __all__ = [
     "Printer",
@@ -18,6 +18,7 @@ __all__ = [
     "bolt_hole",
     "bolt_least_distance",
     "density",
+    "lying",
     "mass_kg",
     "node_diameters",
     "polygon",

@@ -13,11 +13,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from ddgfab.errors import ProjectError
+from ddgfab.errors import ProjectError, clipped
 from ddgfab.mesh import Floats
-from ddgfab.suggest import nearest
 from fabrication.specs import Loop, Profile
 from fabrication.standards.data import table
+from fabrication.standards.neighbours import missing_sizes, near_profiles, written
 
 QUARTER: Final = math.tan(math.pi / 8)  # bulge of a quarter circle
 DESIGNATION: Final = re.compile(r"([A-Za-z]+) ?(\d+(?:\.\d+)?(?:x\d+(?:\.\d+)?)*)")
@@ -46,14 +46,17 @@ def profile(designation: str) -> Profile:
     rule = families[family]
     numbers = [float(text) for text in match[2].split("x")]
     if len(numbers) != len(rule["dimensions"]):
-        raise _unknown(designation, f"{family} takes {' x '.join(rule['dimensions'])} in mm")
+        missing = missing_sizes(family, numbers)
+        raise _unknown(
+            designation, f"{family} takes {' x '.join(rule['dimensions'])} in mm{missing}"
+        )
     for label, value in zip(rule["dimensions"], numbers, strict=True):
         low = 1.0 if label == "thickness" else float(rule["minimum"])
         if not low <= value <= rule["maximum"]:
             raise _unknown(
                 designation, f"{label} {value:g} mm is not in {low:g}..{rule['maximum']:g} mm"
             )
-    name = f"{family} {'x'.join(f'{value:g}' for value in numbers)}"
+    name = written(family, numbers)
     if family == "FL":
         return Profile(
             name, (_rectangle(numbers[0], numbers[1], 0.0, 0.0),), numbers[1], numbers[0]
@@ -76,10 +79,10 @@ def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Profile
     if len(points) < 3 or any(len(point) != 2 for point in points):
         raise ProjectError("a profile polygon needs at least three corners [y, z] in mm")
     corners = np.array(points, dtype=np.float64)
-    if not (np.abs(corners) <= WIDEST).all():
-        raise ProjectError(f"a corner of the profile lies beyond {WIDEST:g} mm")
     if not np.isfinite(corners).all():
         raise ProjectError("a profile polygon has a coordinate that is not finite")
+    if not (np.abs(corners) <= WIDEST).all():
+        raise ProjectError(f"a corner of the profile lies beyond {WIDEST:g} mm")
     ahead = np.roll(corners, -1, axis=0)
     short = np.linalg.norm(ahead - corners, axis=1) < LEAST_SIDE
     if short.any():
@@ -94,6 +97,22 @@ def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Profile
     spread = np.ptp(corners, axis=0)
     width = 2 * float(np.abs(corners[:, 0]).max())  # of the strip about y = 0 that it needs
     return Profile(name, (Loop(corners, np.zeros(len(corners))),), width, float(spread[1]))
+
+
+def lying(section: Profile) -> str:
+    """Where a flat bar or hollow section lies on its side: so in words, and which one stands.
+
+    Others give an empty text: what lies is no question of theirs.
+    """
+    family = section.name.partition(" ")[0]
+    if family not in ("FL", "RHS") or section.width <= section.depth:
+        return ""
+    sizes = section.name.partition(" ")[2].split("x")
+    upright = f"{family} {'x'.join([sizes[1], sizes[0], *sizes[2:]])}"
+    return (
+        f"{section.name} lies on its side: {section.depth:g} mm deep and {section.width:g} mm "
+        f"wide, as the depth comes first; {upright} stands upright"
+    )
 
 
 def first_crossing(corners: Floats) -> tuple[int, int] | None:
@@ -133,9 +152,16 @@ def is_mirror(section: Profile, tolerance: float) -> bool:
 
 
 def _unknown(designation: str, why: str) -> ProjectError:
-    common = [name for rule in table("profiles").values() for name in rule["common"]]
-    near = nearest(designation, common) or ["FL 60x8", "RHS 120x60x5", "T 60x60x7"]
-    return ProjectError(f'there is no profile "{designation}": {why}; near: {", ".join(near)}')
+    near = ", ".join(near_profiles(designation, _is_profile))
+    return ProjectError(f'there is no profile "{clipped(designation)}": {why}; near: {near}')
+
+
+def _is_profile(designation: str) -> bool:
+    try:
+        profile(designation)
+    except ProjectError:
+        return False
+    return True
 
 
 def _rectangle(depth: float, width: float, inset: float, radius: float) -> Loop:

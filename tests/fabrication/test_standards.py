@@ -13,6 +13,7 @@ from fabrication.specs import Loop, Profile
 from fabrication.standards import (
     bolt_hole,
     density,
+    lying,
     node_diameters,
     polygon,
     profile,
@@ -93,12 +94,44 @@ def test_en_10219_mass_of_a_hollow_section() -> None:
         ("FL 60x8; import os", ["no profile"]),
         ("__import__('os')", ["no profile"]),
         ("", ["no profile"]),
+        ("RHS 60x120", ["thickness missing", "near: RHS 120x60x4, RHS 120x60x5, RHS 120x60x6"]),
+        ("RHS 50x100", ["thickness missing", "near: RHS 100x50x4, RHS 100x50x5"]),
+        ("RHS 5x60x120", ["depth 5 mm", "near: RHS 120x60x5"]),
+        ("RHS 120 x 60 x 5 mm", ["near: RHS 120x60x5"]),
+        ("rhs 120x60x5,0", ["near: RHS 120x60x5"]),
+        ("RHS 120*60*5.5", ["near: RHS 120x60x5.5"]),
+        ("FL 60", ["width missing", "near: FL 60x10, FL 60x8"]),
+        ("Flat 60x8", ["near: FL 60x8"]),
+        ("SHS 60x60x4", ["near: SHS 60x4"]),
+        ("SHS 60x40x4", ["near: RHS 60x40x4"]),
+        ("SHS 60", ["thickness missing", "near: SHS 60x3, SHS 60x4, SHS 60x5"]),
+        ("T 60x60", ["thickness missing", "near: T 60x60x7"]),
+        ("T 60", ["width and thickness missing", "near: T 60x60x7"]),
+        ("RHS " + "1" * 5000 + "!", ["no profile"]),
     ],
 )
 def test_unknown_profiles_are_refused_with_near_ones(name: str, words: list[str]) -> None:
     with pytest.raises(ProjectError) as caught:
         profile(name)
     assert all(word in str(caught.value) for word in [*words, "near:"])
+
+
+def test_every_near_profile_is_one() -> None:
+    for name in ("RHS 60x120", "RHS 33x77", "FL 61", "T 1", "SHS 900x900x90", "RHS 40x20x8", "x"):
+        with pytest.raises(ProjectError) as caught:
+            profile(name)
+        near = str(caught.value).split("near: ")[1].split(", ")
+        assert near
+        assert all(profile(other).name == other for other in near)
+
+
+def test_what_lies_on_its_side_is_said_with_what_stands() -> None:
+    assert "RHS 120x60x5 stands upright" in lying(profile("RHS 60x120x5"))
+    assert "60 mm deep and 120 mm wide" in lying(profile("RHS 60x120x5"))
+    assert "FL 60x8 stands upright" in lying(profile("FL 8x60"))
+    for name in ("RHS 120x60x5", "FL 60x8", "SHS 60x4", "T 60x80x7"):
+        assert lying(profile(name)) == ""
+    assert lying(polygon([[-50, 0], [50, 0], [50, -10], [-50, -10]])) == ""
 
 
 def test_polygon_is_turned_counterclockwise_and_kept() -> None:
