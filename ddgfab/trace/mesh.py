@@ -35,6 +35,9 @@ _SHORT: Final = 0.3
 """Edges shorter than this part of the median collapse."""
 _PART: Final = 0.3
 """Edges leave a node towards the point at this part of their length."""
+_PARTS: Final = (_PART, 0.5, 0.75, 1.0)
+_INSIDE: Final = 0.1
+"""Sine of the angle to the rim from which a line is clearly inside."""
 AREA: Final = 1e-8
 """How far the areas of the cells may be from that of the trim, relative to it."""
 
@@ -123,7 +126,7 @@ def network_mesh(network: Network) -> TracedMesh:
     for number, line in enumerate([*first, *second]):
         for a, b, s0, s1 in _pieces(stops[number], line, same):
             edges.append((a, b))
-            towards.append(line.at(np.array([s0 + _PART * (s1 - s0), s1 - _PART * (s1 - s0)])))
+            towards.append(_leaving(network, line, s0, s1))
             chords.append(0.5 * (uv[a, 0] * uv[b, 1] - uv[a, 1] * uv[b, 0]))
     along_lines = len(edges)
     for loop, stations in enumerate(rim_stops):
@@ -170,6 +173,26 @@ def network_mesh(network: Network) -> TracedMesh:
             "the open there\nchange the spacing a little"
         )
     return TracedMesh(mesh, uv[keep], rank[keep], error)
+
+
+def _leaving(network: Network, line: Line, s0: float, s1: float) -> Floats:
+    """(2, 2) points of a piece of a line that show its directions at its first and last node.
+
+    At the rim a line may run along it for a while: the first point that is clearly inside counts.
+    """
+    out = line.at(np.array([s0 + _PART * (s1 - s0), s1 - _PART * (s1 - s0)]))
+    trim = network.field.surface.trim
+    for end, at, way in ((0, s0, s1 - s0), (1, s1, s0 - s1)):
+        segment = line.rim[end]
+        if segment < 0 or at not in (line.s[0], line.s[-1]):
+            continue
+        along = trim.ends[segment] - trim.starts[segment]
+        inward = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+        gap = line.at(at + np.array(_PARTS) * way) - line.uv[-end]
+        depth = gap @ inward / np.maximum(np.linalg.norm(gap, axis=1), np.finfo(float).tiny)
+        clear = np.flatnonzero(depth > _INSIDE)
+        out[end] = line.uv[-end] + gap[clear[0] if len(clear) else int(depth.argmax())]
+    return np.asarray(out)
 
 
 def _rim_place(network: Network, segment: int, uv: Floats) -> float:

@@ -29,7 +29,7 @@ from fabrication.gridshell.load import load_project, project_for_mesh
 from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.project import MESH, SURFACE, Project
 from fabrication.gridshell.schedules import schedules
-from fabrication.gridshell.traced import distance_note, traced_net
+from fabrication.gridshell.traced import distance_note, traced_net, traced_optimum
 from fabrication.meshes_in import read_mesh
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family, rejected
@@ -205,11 +205,14 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     optimized = None
     if project.optimize.goal != "none":
         start("optimize")
-        near = net.reference
-        optimized = optimized_mesh(net.mesh, project.optimize, report, surface=near, rim=near)
+        more: tuple[str, ...] = ()
+        if net.reference is None:
+            optimized = optimized_mesh(net.mesh, project.optimize, report)
+        else:
+            optimized, more = traced_optimum(net.mesh, net.reference, project, report)
         found = optimized.axes if isinstance(optimized, TorsionFreeResult) else None
         off = () if net.surface is None else (distance_note(net.surface, optimized.mesh),)
-        notes = (*net.notes, *off, *optimized.remarks)
+        notes = (*net.notes, *off, *more, *optimized.remarks)
         net = replace(net, mesh=optimized.mesh, notes=notes, axes=found)
         stop("optimize")
     start("measure")

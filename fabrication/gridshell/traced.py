@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
-from ddgfab.errors import InputError
+from ddgfab.errors import InputError, SupportError
 from ddgfab.mesh import Mesh
+from ddgfab.optimize import OptimizeResult
+from ddgfab.support import support_structure
 from ddgfab.surfaces.nearest import nearest_points
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.trace import Traced, trace
-from fabrication.gridshell.project import Project
+from fabrication.gridshell.load import TRACED_GOAL
+from fabrication.gridshell.optimized import optimized_mesh
+from fabrication.gridshell.project import OptimizeSettings, Project
+from fabrication.progress import Progress
 from fabrication.surfaces_in.find import MESH_SUFFIXES, find_surface
+
+_ANY_LEAN: Final = 89.0
+"""Node axes that lean by less [deg] are measured before they are judged."""
 
 
 def traced_net(project: Project) -> tuple[SplineSurface, Traced]:
@@ -51,6 +60,44 @@ def distance_note(surface: SplineSurface, mesh: Mesh) -> str:
     far = np.where(mesh.valences > 0, nearest_points(surface, mesh.vertices).distance, 0.0)
     worst = int(far.argmax())
     return (
-        f"vertices lie {far[mesh.valences > 0].mean():.2g} mm from {surface.name} on average, at "
+        f"vertices lie {far[mesh.valences > 0].mean():.3g} mm from {surface.name} on average, at "
         f"most {far[worst]:.3g} mm (vertex {worst})"
+    )
+
+
+def traced_optimum(
+    net: Mesh, reference: Mesh, project: Project, progress: Progress
+) -> tuple[OptimizeResult, tuple[str, ...]]:
+    """The traced net [mm] optimised, and what to know of it.
+
+    Where the project asks for nothing else, planar faces; around umbilics and on steep rims these
+    may leave axes that lean too far, and then axes are made upright with the faces.
+
+    Raises
+    ------
+    OptimizeError
+        The goal is missed; carries the best mesh as `result`.
+    """
+    settings = project.optimize
+    first = optimized_mesh(net, settings, progress, surface=reference, rim=reference)
+    if settings != OptimizeSettings.model_validate(TRACED_GOAL):
+        return first, ()
+    limit = project.support.lean_limit_deg
+    try:
+        lean = support_structure(
+            first.mesh,
+            project.support.kind,
+            lean_limit_deg=_ANY_LEAN,
+            torsion_limit_deg=project.checks.torsion_deg,
+        ).lean_deg_max
+    except SupportError:
+        lean = np.inf
+    if lean <= limit:
+        return first, ()
+    upright = settings.model_copy(update={"goal": "torsion-free"})
+    second = optimized_mesh(net, upright, progress, surface=reference)
+    return second, (
+        f"planar faces alone leave node axes that lean by {lean:.0f} deg (limit {limit:g}): the "
+        "net was made torsion-free with upright axes instead, as [optimize] goal = "
+        '"torsion-free" does',
     )

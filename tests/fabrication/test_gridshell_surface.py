@@ -24,6 +24,16 @@ def test_design_on_a_named_surface_has_planar_panes_and_no_torsion() -> None:
     assert made.optimized.movement_max < 100  # curvature lines are nearly there
 
 
+def test_round_an_umbilic_axes_are_made_upright() -> None:
+    """Planar faces of a monkey saddle leave axes that lean by 50 deg at its steep corners."""
+    net = {"kind": "surface", "surface": "monkey-saddle", "spacing_mm": 3000}
+    made = design(None, net=net, panel={"kind": "glass", "max_size_mm": [9e3, 9e3]})
+    assert made.support.lean_deg_max < 30
+    assert made.support.torsion_deg_max < 1e-8
+    assert any("planar faces alone leave node axes that lean" in n for n in made.source.notes)
+    assert any(n.startswith("vertices lie") for n in made.source.notes)
+
+
 def test_settings_of_a_surface() -> None:
     project = make_project({"net": NET})
     assert project.net.parameters == {"width_mm": 12e3}
