@@ -13,7 +13,7 @@ import numpy as np
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.optimize.rim import plan_corners
+from ddgfab.optimize.rim import rim_corners
 from ddgfab.optimize.surface import RimCurve, SmoothSurface
 from ddgfab.optimize.terms.base import LinearTerm, VectorTerm
 from ddgfab.optimize.terms.nearness import NearRim, NearSurface
@@ -74,9 +74,11 @@ class Weights:
         """The weights for a mesh.
 
         The weight of smoothness is such that waves shorter than `keep` times the width of the mesh
-        cost bending and longer ones distance, whatever the size of the faces.
+        cost bending and longer ones distance, whatever the size of the faces. Of a mesh in pieces
+        the largest piece counts.
         """
-        width, knob = float(np.sqrt(mesh.face_areas.sum())), keep_number(keep)
+        width = float(np.sqrt(np.bincount(mesh.components, mesh.face_areas).max()))
+        knob = keep_number(keep)
         fair = float(np.clip((knob * width / (2 * np.pi)) ** 4, *_FAIR_RANGE))
         return Weights(
             strain=_STRAIN * max(1.0, float(np.sqrt(fair))),
@@ -117,7 +119,7 @@ def energy(
         curve = RimCurve(mesh if rim is None else rim)
         terms.append(NearRim(curve=curve, vertices=outer, weight=weights.rim))
         held = np.zeros(mesh.n_vertices)
-        held[plan_corners(mesh)] = 1.0
+        held[rim_corners(mesh)] = 1.0
         if held.any():
             terms.append(closeness(mesh, weights=held, weight=weights.corner))
     return tuple(terms)

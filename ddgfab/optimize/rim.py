@@ -20,10 +20,6 @@ Boundary: TypeAlias = Literal["free", "glide", "fixed"]
 _CORNER: Final = np.radians(30.0)
 """The boundary has a corner, which does not glide, where it turns by more than this [rad]."""
 
-_REACH: Final = 4
-"""Edges over which the boundary has to turn for a corner of the plan: teeth of hexagons repeat
-after two or four."""
-
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
@@ -68,27 +64,6 @@ def rim_corners(mesh: Mesh) -> Ints:
     # |sum of two unit directions| = 2 cos(half the turn)
     sharp = np.linalg.norm(total, axis=1) < 2 * np.cos(_CORNER / 2)
     return np.flatnonzero(mesh.boundary_vertex & sharp)
-
-
-def plan_corners(mesh: Mesh) -> Ints:
-    """Ids of boundary vertices that are corners of the plan, not teeth of a zigzag.
-
-    The boundary turns by more than 30 deg there, and so does the line between the vertices some
-    edges before and after: along the teeth of hexagons that line runs straight.
-    """
-    after = np.full(mesh.n_vertices, -1)
-    before = np.full(mesh.n_vertices, -1)
-    for loop in mesh.boundary_loops:
-        after[loop], before[loop] = np.roll(loop, -1), np.roll(loop, 1)
-    corners = rim_corners(mesh)
-    corners = corners[after[corners] >= 0]
-    ahead, back = corners, corners
-    for _ in range(_REACH):
-        ahead, back = after[ahead], before[back]
-    here = mesh.vertices[corners]
-    first, second = unit(here - mesh.vertices[back]), unit(mesh.vertices[ahead] - here)
-    found: Ints = corners[np.einsum("vx,vx->v", first, second) < np.cos(_CORNER)]
-    return found
 
 
 def impossible_faces(mesh: Mesh, fixed: Ints, flat_percent: float) -> tuple[Ints, Floats]:

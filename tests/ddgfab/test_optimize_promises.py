@@ -1,0 +1,148 @@
+"""optimize: oracles, and awkward meshes: in pieces, mixed, with sharp corners, symmetric."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from optimize_meshes import dome, roof, rotation, torus, wavy
+
+from ddgfab.grid import grid_mesh
+from ddgfab.io import read_mesh
+from ddgfab.measures import planarity_percent
+from ddgfab.mesh import Mesh
+from ddgfab.optimize import PathOptions, mean_edge, optimize
+from ddgfab.optimize.frame import Frame
+from ddgfab.optimize.goals import PLANAR
+from ddgfab.optimize.merit import Merit
+from ddgfab.optimize.nets import net_problem
+from ddgfab.optimize.path import follow
+from ddgfab.optimize.rim import rim_corners
+
+FLAT = 0.2
+
+
+# --- oracles -------------------------------------------------------------------------------------
+def test_a_torus_off_its_curvature_lines_is_slid_on_its_surface() -> None:
+    mesh = torus(24, 0.2)
+    change = optimize(mesh).change
+    assert change.distance_mean < 0.05 * change.edge
+    assert change.movement.mean() > 10 * change.distance_mean
+
+
+def test_quads_on_a_sphere_come_nearer_with_refinement() -> None:
+    """Meridians turned off: planar quads exist near every smooth surface as cells shrink."""
+
+    def distance(n: int) -> float:
+        u, v = np.meshgrid(*2 * [np.linspace(-0.7, 0.7, n + 1)], indexing="ij")
+        x = np.stack([np.tan(u + 0.2 * v**2), np.tan(v + 0.3 * u * v), np.ones_like(u)], axis=-1)
+        mesh = grid_mesh(n * x / np.linalg.norm(x, axis=-1, keepdims=True))
+        return optimize(mesh, flat=0).change.distance_mean / n  # of a sphere of radius one
+
+    coarse, fine = distance(8), distance(16)
+    assert 0 < fine < 0.5 * coarse
+
+
+def test_every_accepted_step_is_on_the_right_side_of_all_barriers() -> None:
+    mesh = wavy(10)
+    small = Frame.of(mesh).inside(mesh)
+    problem = net_problem(small, PLANAR)
+    merit = Merit(problem)
+    seen: list[bool] = []
+
+    def violation(x: np.ndarray) -> float:
+        return PLANAR.violation(small, x)
+
+    path = follow(problem, violation, PathOptions(tolerance=2e-3))
+    seen = [merit.possible(end.x) for end in path.waypoints]
+    assert len(seen) > 3
+    assert all(seen)
+    assert any(len(barrier.active(path.value)[1]) for barrier in problem.barriers)
+    assert all(step.longest <= 0.5 + 1e-12 for step in path.history)
+
+
+# --- awkward meshes ------------------------------------------------------------------------------
+def test_pieces_are_optimized_as_they_are_alone() -> None:
+    """Two equal domes apart, in one mesh: each becomes what one alone becomes."""
+    one = dome(8)
+    shift = np.array([40.0, 5.0, 0.0])
+    faces = [*one.faces, *(face + one.n_vertices for face in one.faces)]
+    both = Mesh.build(np.concatenate([one.vertices, one.vertices + shift]), faces)
+    alone, found = optimize(one), optimize(both)
+    parts = found.mesh.vertices.reshape(2, -1, 3) - np.array([0 * shift, shift])[:, None]
+    for part in parts:
+        assert np.abs(part - alone.mesh.vertices).max() < 1e-6 * mean_edge(one)
+
+
+def test_triangles_mixed_in_and_vertices_without_faces() -> None:
+    mesh = dome(8)
+    faces: list[np.ndarray] = []
+    for number, face in enumerate(mesh.faces):
+        faces += [face[[0, 1, 2]], face[[0, 2, 3]]] if number % 5 == 0 else [face]
+    spare = np.array([[99.0, 0, 0]])
+    mixed = Mesh.build(np.concatenate([mesh.vertices, spare]), faces)
+    result = optimize(mixed, zigzag_limit=np.pi)
+    assert planarity_percent(result.mesh).max() <= FLAT
+    assert not len(result.change.folded)
+    assert result.change.distance_mean < 0.1 * mean_edge(mixed)
+    np.testing.assert_array_equal(result.mesh.vertices[-1], spare[0])
+
+
+def test_sharp_corners_of_the_input_are_no_obstacle() -> None:
+    """Corners of 6 deg at a tip: as planar as asked for, no sharper than by the slack."""
+    mesh = dome(8)
+    points = mesh.vertices.copy()
+    corner = int(np.flatnonzero(mesh.valences == 2)[0])
+    ends = mesh.edges[(mesh.edges == corner).any(axis=1)].sum(axis=1) - corner
+    middle = points[ends].mean(axis=0)
+    away = points[corner] - middle
+    points[corner] = middle + away / np.linalg.norm(away) * np.linalg.norm(
+        points[ends[0]] - points[ends[1]]
+    ) / (2 * np.tan(np.radians(3)))
+    sharp = mesh.with_vertices(points)
+    least = np.degrees(sharp.corner_angles.min())
+    assert 5.5 < least < 6.5
+    result = optimize(sharp, distance_limit=(1.0, 5.0))
+    assert planarity_percent(result.mesh).max() <= FLAT
+    assert not len(result.change.folded)
+
+
+def test_corners_of_the_boundary_are_held() -> None:
+    """Edges slide along a boundary, but not round its corners: those would be cut off."""
+    mesh = dome(12)
+    corners = rim_corners(mesh)
+    assert sorted(corners.tolist()) == np.flatnonzero(mesh.valences == 2).tolist()
+    moved = optimize(mesh).movement
+    assert moved[corners].max() < 0.5 * moved[mesh.boundary_vertex].max()
+
+
+def test_a_symmetric_roof_ends_equally_far_however_it_is_turned() -> None:
+    """Rounding chooses the side of a bend on a mesh with a mirror; what it costs is the same."""
+    mesh = roof(20, 12, rise=0.8)
+    one = optimize(mesh)
+    turned = optimize(mesh.with_vertices(mesh.vertices @ rotation().T))
+    assert turned.change.distance_mean == pytest.approx(one.change.distance_mean, rel=0.02)
+
+
+# --- meshes made by others -----------------------------------------------------------------------
+@pytest.mark.slow
+def test_a_smooth_mesh_made_by_others_is_invariant(mesh_file: Callable[[str], Path]) -> None:
+    mesh = read_mesh(mesh_file("botanic_garden_bubble.obj")).mesh
+    edge, turn = mean_edge(mesh), rotation()
+    found = optimize(mesh)
+    shift = np.array([1e3, -2e3, 3e2]) * edge
+    order = np.random.default_rng(3).permutation(mesh.n_vertices)
+    where = np.argsort(order)
+    shuffled = Mesh.build(mesh.vertices[order], [where[face] for face in mesh.faces[::-1]])
+    for other, back in (
+        (mesh.with_vertices(mesh.vertices @ turn.T), lambda x: x @ turn),
+        (mesh.with_vertices(1e3 * mesh.vertices), lambda x: x / 1e3),
+        (mesh.with_vertices(mesh.vertices + shift), lambda x: x - shift),
+        (shuffled, lambda x: x[where]),
+    ):
+        again = back(optimize(other).mesh.vertices)
+        assert np.linalg.norm(again - found.mesh.vertices, axis=1).max() < 1e-8 * edge
+    less = optimize(mesh, flat=0.5)
+    assert less.change.distance_mean <= found.change.distance_mean
