@@ -15,6 +15,9 @@ from ddgfab.io.regular import read_regular
 LIMIT_BYTES = 128 * 1024 * 1024
 """Largest mesh file that is read [bytes] unless the caller allows more; also after unpacking."""
 
+BLOCK: Final = 1 << 20
+"""Packed files are unpacked in blocks of so many bytes."""
+
 _MESH = "export a polygon mesh: OBJ, OFF, PLY or STL"
 _SOLID = f"holds exact surfaces, no mesh: mesh it in your CAD program and {_MESH}"
 _SURFACE = (
@@ -110,8 +113,7 @@ def load_bytes(path: Path, limit_bytes: int) -> tuple[bytes, str]:
     digest = hashlib.sha256(data).hexdigest()
     if data.startswith(b"\x1f\x8b"):
         try:
-            with gzip.open(io.BytesIO(data)) as stream:
-                data = stream.read(limit_bytes + 1)
+            data = _unpacked(data, limit_bytes)
         except (OSError, EOFError, zlib.error) as error:
             raise MeshError(f"is damaged gzip: {error}", file=file) from error
         if len(data) > limit_bytes:
@@ -119,6 +121,18 @@ def load_bytes(path: Path, limit_bytes: int) -> tuple[bytes, str]:
     if not data or data.isspace():
         raise MeshError("the file is empty", file=file)
     return data, digest
+
+
+def _unpacked(data: bytes, limit_bytes: int) -> bytes:
+    """What gzip holds, up to one byte above the limit, in blocks: little takes little memory."""
+    found = bytearray()
+    with gzip.open(io.BytesIO(data)) as stream:
+        while len(found) <= limit_bytes:
+            block = stream.read(min(BLOCK, limit_bytes + 1 - len(found)))
+            if not block:
+                break
+            found += block
+    return bytes(found)
 
 
 def _too_large(what: str, limit: int, file: str) -> MeshError:
