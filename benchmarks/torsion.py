@@ -1,9 +1,8 @@
-"""Torsion-free axes: lean against movement on two roofs, with vertices fixed and free.
+"""Torsion-free axes: lean against distance from the surface, with vertices fixed and free.
 
-Run: python benchmarks/torsion.py FOLDER, where botanic_garden_bubble.obj and heart.obj lie. The
-recipe is given a limit of the lean after the other at one limit of the movement; each line is one
-mesh with planar faces and axes free of torsion, or says what is missed. Below each curve: where the
-lean and movement are greatest in the line of least lean that is met, and what those vertices are.
+Run: python benchmarks/torsion.py FOLDER, where the meshes of `CURVES` lie. Each line is one limit
+of the lean: a mesh with planar faces and axes free of torsion, or what is missed. The hull is built
+here: a translation net of steep arcs in planes at 50 deg to a shallow one, twisted lengthwise.
 Seconds are processor time; set OMP_NUM_THREADS=1.
 """
 
@@ -15,113 +14,76 @@ from pathlib import Path
 
 import numpy as np
 
+from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
-from ddgfab.measures import planarity_percent, torsion
-from ddgfab.mesh import Floats, Mesh
-from ddgfab.optimize import TorsionFreeResult, interior_angles, torsion_free
-from ddgfab.support import SupportStructure, even_lean, optimize
+from ddgfab.measures import planarity_percent
+from ddgfab.mesh import Mesh
+from ddgfab.optimize import TorsionFreeResult, mean_edge, optimize
+from ddgfab.support import SupportStructure, even_lean, parallel_axes
+from ddgfab.support import optimize as nearest_axes
 
-CURVES: dict[str, tuple[tuple[float, float], ...]] = {
-    "botanic_garden_bubble": (
-        (15.0, 0.25),
-        (15.0, 0.35),
-        (20.0, 0.5),
-        (15.0, 0.5),
-        (12.0, 0.5),
-        (10.0, 0.5),
-        (8.0, 0.5),
-        (6.0, 0.5),
-        (4.0, 0.5),
-    ),
-    "heart": (
-        (28.0, 1.0),
-        (25.0, 1.25),
-        (25.0, 1.5),
-        (20.0, 1.5),
-        (15.0, 1.5),
-        (20.0, 2.0),
-        (15.0, 2.0),
-        (10.0, 2.0),
-    ),
+CURVES: dict[str, tuple[float | None, ...]] = {
+    "hull": (None, 20.0, 6.0),
+    "botanic_garden_bubble": (None, 20.0, 8.0, 5.0),
+    "heart": (None, 30.0, 16.0),
+    "quad_dome": (None,),
+    "conical1": (None,),
+    "six_quad": (None,),
+    "chebyshev_sphere": (None,),
 }
-"""Limits for each mesh: greatest lean [deg], greatest movement [mean edges]."""
-
-WORST = 6
-"""How many of the vertices that hold a curve back are named."""
+"""Limits of lean for each mesh [deg]; None: those that are tried by default."""
 
 
-def line(name: str, lean: Floats, moved: Floats, rest: str) -> str:
-    """A row of the table: greatest and mean lean [deg] and movement [mean edges]."""
-    degrees = np.degrees(lean)
+def hull(m: int = 40, n: int = 16) -> Mesh:
+    """Edges are conjugate, but far from the principal directions; normals turn by 160 deg."""
+    across, along, oblique, twist = (*np.radians([160.0, 60.0, 50.0]), 0.12)
+    s, t = np.linspace(-1, 1, n + 1) * across / 2, np.linspace(-1, 1, m + 1) * along / 2
+    wide, long = n / across, m / along
+    x = long * np.sin(t)[:, None] + wide * np.sin(s) * np.sin(oblique)
+    y = wide * np.sin(s) * np.cos(oblique) + 0 * t[:, None]
+    z = long * (np.cos(t)[:, None] - 1) + wide * np.cos(s)
+    c, i = np.cos(twist * x / m), np.sin(twist * x / m)
+    return grid_mesh(np.stack([x, c * y - i * z, i * y + c * z], axis=-1))
+
+
+def line(result: TorsionFreeResult, name: str, seconds: float) -> str:
+    """A row of the table."""
+    support, change, edge = result.support, result.change, mean_edge(result.original)
+    rise = "" if change.rise_kept is None else f"rise {100 * change.rise_kept:.0f} %, "
     return (
-        f"{name:24s} lean {degrees.max():5.1f} {degrees.mean():5.1f}   "
-        f"movement {moved.max():.3f} {moved.mean():.3f}   {rest}"
+        f"{name:12s} lean {support.lean_deg_max:5.1f} {support.lean_deg_mean:5.1f} deg   distance "
+        f"{change.distance_mean / edge:.3f} {change.distance_max / edge:.2f}   movement "
+        f"{result.movement_max / edge:.2f} {result.movement_mean / edge:.2f}   {rise}creases "
+        f"{np.degrees(change.crease[0]):.0f} deg, torsion {support.torsion_deg_max:.0e} deg, "
+        f"planarity {planarity_percent(result.mesh).max():.0e} %, {result.status}, "
+        f"{len(result.history)} steps, {seconds:.1f} s"
     )
-
-
-def fixed(mesh: Mesh) -> None:
-    """The rows with vertices fixed: normals, least mean lean, least greatest lean."""
-    still = np.zeros(mesh.n_vertices)
-    normals = np.degrees(torsion(mesh, mesh.vertex_normals))
-    print(line("vertex normals", still, still, f"torsion {normals.max():.3g} deg"))
-    found: list[tuple[str, SupportStructure]] = [("fixed, least mean", optimize(mesh))]
-    found.append(("fixed, evened out", even_lean(mesh, found[0][1])))
-    for name, support in found:
-        flat = f"torsion {support.torsion_deg_max:.0e} deg, faces as they are"
-        print(line(name, support.lean, still, flat))
-
-
-def free(mesh: Mesh, limits: tuple[float, float]) -> TorsionFreeResult:
-    """One row of the curve."""
-    unit, begin = float(mesh.edge_lengths.mean()), time.process_time()
-    result = torsion_free(
-        mesh, max_lean=np.radians(limits[0]), max_movement=limits[1] * unit, throw=False
-    )
-    seconds = time.process_time() - begin
-    support, angles = result.support, np.degrees(interior_angles(result.mesh))
-    rest = (
-        f"torsion {support.torsion_deg_max:.0e} deg, planarity "
-        f"{planarity_percent(result.mesh).max():.0e} %, corners {angles.min():.0f} to "
-        f"{angles.max():.0f} deg, {result.status}, {len(result.history)} steps, {seconds:.0f} s"
-    )
-    name = f"free, {limits[0]:g} deg, {limits[1]:g} edges"
-    print(line(name, support.lean, result.movement / unit, rest), flush=True)
-    return result
-
-
-def held_back(result: TorsionFreeResult) -> None:
-    """Which vertices lean and move most, and how far their edges were from principal directions."""
-    mesh, unit = result.original, float(result.original.edge_lengths.mean())
-    angles = np.degrees(torsion(mesh, mesh.vertex_normals))
-    around = np.zeros(mesh.n_vertices)
-    for end in mesh.edges.T:
-        np.maximum.at(around, end, angles)
-    for name, values in (
-        ("lean [deg]", np.degrees(result.support.lean)),
-        ("movement [edges]", result.movement / unit),
-    ):
-        order = np.argsort(-values, kind="stable")
-        near = values >= 0.9 * values.max()
-        rim = float(mesh.boundary_vertex[near].mean())
-        worst = ", ".join(f"{v} ({values[v]:.3g})" for v in order[:WORST].tolist())
-        print(
-            f"  greatest {name}: {worst}; {int(near.sum())} vertices within a tenth of it, "
-            f"{100 * rim:.0f} % of them on the boundary; torsion of the input's normals there "
-            f"{around[near].mean():.1f} deg (all vertices {around.mean():.1f})"
-        )
 
 
 def main() -> None:
-    """Print both curves."""
+    """Print the tables; lean, distance and movement: greatest and mean, mean and greatest."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-    for name, curve in CURVES.items():
-        mesh = read_mesh(folder / f"{name}.obj").mesh
-        print(f"{name}: {mesh}; lean and movement: greatest, mean")
-        fixed(mesh)
-        results = [free(mesh, limits) for limits in curve]
-        met = [r for r in results if r.status == "converged"]
-        if met:
-            held_back(min(met, key=lambda r: r.support.lean_deg_max))
+    for name, limits in CURVES.items():
+        mesh = hull() if name == "hull" else read_mesh(folder / f"{name}.obj").mesh
+        print(f"{name}: {mesh}, planarity {planarity_percent(mesh).max():.2g} %")
+        still = [
+            ("nearest parallel mesh", SupportStructure.of(mesh, parallel_axes(mesh))),
+            ("vertices fixed", nearest_axes(mesh, throw=False)),
+        ]
+        if still[1][1].torsion_free:
+            still.append(("vertices fixed, evened out", even_lean(mesh, still[1][1])))
+        for kind, support in still:
+            print(
+                f"  {kind}: lean {support.lean_deg_max:.1f} {support.lean_deg_mean:.1f} deg, "
+                f"torsion {support.torsion_deg_max:.0e} deg"
+            )
+        for limit in limits:
+            options = {} if limit is None else {"max_lean": float(np.radians(limit))}
+            begin = time.process_time()
+            result = optimize(mesh, "torsion-free", throw=False, **options)  # type: ignore[arg-type]
+            assert isinstance(result, TorsionFreeResult)
+            label = "default" if limit is None else f"to {limit:g} deg"
+            print("  " + line(result, label, time.process_time() - begin), flush=True)
 
 
 if __name__ == "__main__":

@@ -7,15 +7,16 @@ from ddgfab.optimize.change import Change
 from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.families_goal import FamiliesResult, families
 from ddgfab.optimize.forecast import forecast_text
-from ddgfab.optimize.gauss_newton import Solution, SolveOptions, Step, polish, solve
+from ddgfab.optimize.gauss_newton import Solution, SolveOptions, polish, solve
+from ddgfab.optimize.goal import NetGoal, Wishes
 from ddgfab.optimize.goals import Goal, expected, optimize
 from ddgfab.optimize.limits import Limits
 from ddgfab.optimize.path import PathOptions
 from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
 from ddgfab.optimize.quality import Quality, folded_faces, roughness
-from ddgfab.optimize.result import Forecast, OptimizeResult, Price
+from ddgfab.optimize.result import Forecast, OptimizeResult, Price, Step, Trial
 from ddgfab.optimize.rim import Boundary
-from ddgfab.optimize.torsion_goal import TorsionFreeResult, torsion_free
+from ddgfab.optimize.torsion_goal import TorsionFreeResult
 
 __all__ = [
     "Boundary",
@@ -26,6 +27,7 @@ __all__ = [
     "Keep",
     "Layout",
     "Limits",
+    "NetGoal",
     "OptimizeResult",
     "PathOptions",
     "Price",
@@ -36,6 +38,8 @@ __all__ = [
     "Step",
     "Term",
     "TorsionFreeResult",
+    "Trial",
+    "Wishes",
     "expected",
     "families",
     "folded_faces",
@@ -46,5 +50,4 @@ __all__ = [
     "polish",
     "roughness",
     "solve",
-    "torsion_free",
 ]

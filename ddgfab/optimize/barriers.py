@@ -43,8 +43,23 @@ _QUAD_RANGE, _LARGE_RANGE = np.radians((90.0, 90.0)), np.radians((120.0, 110.0))
 degrees, larger faces 10 to 230, because plane hexagons on a saddle have reflex corners."""
 
 
+def cost(t: Floats) -> float:
+    """Sum of b(t); infinite where a t is zero or less."""
+    if not t.min(initial=1.0) > 0:
+        return np.inf
+    near = t[t < 1]
+    return float(-((near - 1) ** 2 * np.log(near)).sum())
+
+
+def cost_slopes(t: Floats) -> tuple[Floats, Floats]:
+    """(m,) first and second derivatives of b at 0 < t < 1."""
+    first = -2 * (t - 1) * np.log(t) - (t - 1) ** 2 / t
+    second = -2 * np.log(t) - 4 * (t - 1) / t + ((t - 1) / t) ** 2
+    return np.asarray(first), np.asarray(second)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Barrier(ABC):
+class RowBarrier(ABC):
     """Rows s of k unknowns each, that must stay above `low`.
 
     Attributes
@@ -71,11 +86,7 @@ class Barrier(ABC):
 
     def value(self, x: Floats) -> float:
         """Sum of the costs; infinite where a row is at its bound or below."""
-        t = (self.measure(x[self.index]) - self.low) / (self.high - self.low)
-        if not t.min(initial=1.0) > 0:
-            return np.inf
-        t = t[t < 1]
-        return float(-((t - 1) ** 2 * np.log(t)).sum())
+        return cost((self.measure(x[self.index]) - self.low) / (self.high - self.low))
 
     def active(self, x: Floats) -> tuple[csr_array, Floats, Floats]:
         """The rows that cost something: (a, n) slopes, (a,) first and second derivatives of b."""
@@ -86,8 +97,7 @@ class Barrier(ABC):
         if not len(on):
             return csr_array((0, len(x))), np.zeros(0), np.zeros(0)
         t, width = t[on], width[on]
-        first = -2 * (t - 1) * np.log(t) - (t - 1) ** 2 / t
-        second = -2 * np.log(t) - 4 * (t - 1) / t + ((t - 1) / t) ** 2
+        first, second = cost_slopes(t)
         index = self.index[on]
         rows = csr_array(
             (
@@ -112,7 +122,7 @@ def _edge_sums(points: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Corners(Barrier):
+class Corners(RowBarrier):
     """cos(angle - middle) of a face corner, the first of the face's corners in its row.
 
     s = <u, w> cos(middle) + <n, u x w> sin(middle) with the unit edges u, w of the corner and the
@@ -158,7 +168,7 @@ def _across(vectors: Floats, normals: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Lengths(Barrier):
+class Lengths(RowBarrier):
     """Length of an edge."""
 
     def measure(self, local: Floats) -> Floats:
@@ -172,7 +182,7 @@ class Lengths(Barrier):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Folds(Barrier):
+class Folds(RowBarrier):
     """Cosine between the normals of two neighbouring faces; `size` corners belong to the first."""
 
     size: int
@@ -297,6 +307,6 @@ def fold_barriers(mesh: Mesh) -> tuple[Folds, ...]:
     return tuple(terms)
 
 
-def barriers(mesh: Mesh) -> tuple[Barrier, ...]:
+def barriers(mesh: Mesh) -> tuple[RowBarrier, ...]:
     """The barriers of every goal: corners, edges, folds."""
     return (*corner_barriers(mesh), edge_barrier(mesh), *fold_barriers(mesh))

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError, OptimizeError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Ints, Mesh, unit
-from ddgfab.optimize.gauss_newton import SolveOptions, Step, polish, solve
+from ddgfab.optimize.gauss_newton import SolveOptions, polish, solve
 from ddgfab.optimize.problem import Problem, Term, mean_edge
 from ddgfab.optimize.quality import folded_faces
 from ddgfab.optimize.repetition import (
@@ -37,7 +37,7 @@ from ddgfab.optimize.repetition import (
     family_labels,
     pieces,
 )
-from ddgfab.optimize.result import OptimizeResult
+from ddgfab.optimize.result import OptimizeResult, Step
 from ddgfab.optimize.terms import closeness, planarity_terms
 from ddgfab.optimize.terms.base import LocalTerm
 from ddgfab.optimize.torsion_problem import boundary_terms, smooth_change
@@ -90,6 +90,22 @@ class FamiliesResult(OptimizeResult):
     def families(self) -> int:
         """Number of families of the result."""
         return len(np.unique(self.labels))
+
+    def own(self) -> dict[str, Any]:
+        """Numbers of families."""
+        return {
+            "families_of": self.of,
+            "families_before": self.families_before,
+            "families_after": self.families,
+            "fit_tolerance": float(self.tolerance),
+        }
+
+    def own_lines(self) -> list[str]:
+        """The same for people."""
+        return [
+            f"families of {self.of}s within {self.tolerance:.3g}: {self.families_before} "
+            f"before, {self.families} after"
+        ]
 
 
 @checked

@@ -17,6 +17,7 @@ from ddgfab.errors import OptimizeError
 from ddgfab.mesh import Floats, Ints
 from ddgfab.optimize.linear import SymmetricSolver
 from ddgfab.optimize.problem import Problem, Term
+from ddgfab.optimize.result import Step
 from ddgfab.optimize.systems import Direct, Dual, Fair, FairMetric, StepSystem
 
 
@@ -44,19 +45,6 @@ class SolveOptions:
     """Conjugate gradients where the soft terms allow them; otherwise always factor the system."""
     backend: str | None = None
     """Package that factors, of `SymmetricSolver.available`; by default chosen by size."""
-
-
-@dataclass(frozen=True)
-class Step:
-    """One line of the history."""
-
-    objective: float
-    violation: float
-    """Greatest residual of a hard term after the step."""
-    longest: float
-    """Greatest movement of an unknown, in parts of `Problem.scale`."""
-    length: float
-    """Part of the proposed step that was taken."""
 
 
 @dataclass(frozen=True, eq=False)

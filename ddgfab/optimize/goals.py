@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, Final, Literal, TypeAlias, get_args
+from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
 
@@ -16,10 +16,12 @@ from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.families_goal import families
 from ddgfab.optimize.forecast import forecast_of
 from ddgfab.optimize.frame import Frame
+from ddgfab.optimize.goal import NetGoal, net_problem, violation
 from ddgfab.optimize.limits import Limits, named
-from ddgfab.optimize.nets import NetGoal, StageProgress, net_problem, reach
+from ddgfab.optimize.nets import Outcome, StageProgress, reach
 from ddgfab.optimize.panes import with_panes
-from ddgfab.optimize.result import Forecast, OptimizeResult
+from ddgfab.optimize.quality import reflex_faces
+from ddgfab.optimize.result import Forecast, OptimizeResult, Trial
 from ddgfab.optimize.rim import Boundary
 from ddgfab.optimize.terms import (
     circularity_terms,
@@ -32,35 +34,48 @@ from ddgfab.optimize.torsion_goal import torsion_free
 FLAT_PERCENT: Final = 0.2
 """How flat faces are made by default: what a pane of glass takes up."""
 
+
+def _bent_quads(mesh: Mesh) -> Ints:
+    """Quads with a reflex corner at an inner vertex."""
+    bad = reflex_faces(mesh, np.flatnonzero(~mesh.boundary_vertex))
+    found: Ints = bad[mesh.face_sizes[bad] == _QUAD]
+    return found
+
+
+_QUAD: Final = 4
+
 PLANAR: Final = NetGoal(
     "planar",
-    lambda m: (*planarity_terms(m),),
+    lambda m, _: planarity_terms(m),
     FLAT_PERCENT,
     "Liu, Pottmann, Wallner, Yang, Wang 2006, section 3; mathematics.md 8.5",
 )
 CIRCULAR: Final = NetGoal(
     "circular",
-    lambda m: (*planarity_terms(m), *circularity_terms(m)),
+    lambda m, _: (*planarity_terms(m), *circularity_terms(m)),
     0.0,
     "Bobenko, Suris, Discrete Differential Geometry, 3.1; mathematics.md 2",
-    convex=True,
+    crooked=reflex_faces,
 )
 CONICAL: Final = NetGoal(
     "conical",
-    lambda m: (*planarity_terms(m), *conicality_terms(m), *cone_terms(m)),
+    lambda m, _: (*planarity_terms(m), *conicality_terms(m), *cone_terms(m)),
     0.0,
     "Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; mathematics.md 2.9",
-    convex=True,
+    crooked=_bent_quads,
 )
 
-NET_GOALS: Final[dict[str, NetGoal]] = {g.name: g for g in (PLANAR, CIRCULAR, CONICAL)}
-"""Goals that are equations on the vertices: a new one is a term and a line here."""
-
-OTHER_GOALS: Final[dict[str, Callable[..., OptimizeResult]]] = {
+GOALS: Final[dict[str, Callable[..., Sequence[NetGoal]]]] = {
+    "planar": lambda: [PLANAR],
+    "circular": lambda: [CIRCULAR],
+    "conical": lambda: [CONICAL],
     "torsion-free": torsion_free,
-    "families": families,
 }
-"""Goals that find something besides the vertices."""
+"""Own options of a goal -> goals to try in turn until one is met within the limits. A new goal is a
+term and a line here."""
+
+OTHER_GOALS: Final[dict[str, Callable[..., OptimizeResult]]] = {"families": families}
+"""Goals that have a solver of their own."""
 
 Goal: TypeAlias = Literal["planar", "circular", "conical", "torsion-free", "families"]
 """What a mesh can be made: planar faces, a circular net, a conical net, planar faces with upright
@@ -70,13 +85,14 @@ torsion-free node axes, fewer families of congruent pieces."""
 @checked
 def optimize(
     mesh: Mesh,
-    goal: Goal = "planar",
+    goal: Goal | NetGoal = "planar",
     *,
     flat: float | None = None,
     keep: Keep | float = "balanced",
     fixed: Sequence[int] | Ints = (),
     boundary: Boundary = "free",
     surface: Mesh | None = None,
+    rim: Mesh | None = None,
     feature_angle: float | None = None,
     max_movement: float | None = None,
     distance_limit: tuple[float, float] | None = None,
@@ -92,7 +108,7 @@ def optimize(
     Parameters
     ----------
     mesh : Mesh
-    goal : "planar", "circular", "conical", "torsion-free", "families"
+    goal : "planar", "circular", "conical", "torsion-free", "families", or a goal of your own
     flat : float, optional
         How far faces may be from planar [%, distance of the diagonals over their mean]; by default
         0.2 for "planar", 0 (exact) for the others. For circular and conical nets angles may be off
@@ -104,6 +120,9 @@ def optimize(
     boundary : "free", "glide" along itself, or "fixed"
     surface : Mesh, optional
         What to stay near to; the mesh itself by default.
+    rim : Mesh, optional
+        Whose boundary that of the mesh stays near to, as that of a surface that was traced; the
+        mesh itself by default.
     feature_angle : float, optional
         Edges whose faces meet at a larger angle [rad] are features, across which the movement need
         not be smooth.
@@ -136,59 +155,99 @@ def optimize(
 
     Source: planar quads: Liu, Pottmann, Wallner, Yang, Wang 2006; the others name theirs.
     """
-    if goal not in get_args(Goal):
-        raise InputError(f'goal "{goal}" is unknown; one of {", ".join(get_args(Goal))}')
     allowed = Limits(movement=max_movement, rise=rise_limit, zigzag=zigzag_limit, pane=max_pane)
     if distance_limit is not None:
         mean, most = distance_limit
         allowed = replace(allowed, distance_mean=mean, distance_max=most)
-    if goal in NET_GOALS:
+    if isinstance(goal, str) and goal in OTHER_GOALS:
+        if max_pane is not None:
+            raise InputError(f'max_pane is for goals {", ".join(GOALS)}, not for "{goal}"')
+        result = OTHER_GOALS[goal](
+            mesh,
+            fixed=fixed,
+            boundary=boundary,
+            features=_features(mesh, feature_angle),
+            max_movement=max_movement,
+            throw=throw,
+            progress=progress,
+            **options,
+        )
+        if throw and max_movement is not None and result.movement_max > max_movement:
+            raise OptimizeError(
+                f'goal "{goal}" moves vertices by up to {result.movement_max:.4g} (limit '
+                f"{max_movement:.4g}), most at vertices {named(result.movement)}\n"
+                "allow more movement, or change the design where it is farthest from the goal",
+                result=result,
+            )
+        return result
+    goals = _goals(goal, options)
 
-        def run(one: Mesh, throw: bool) -> OptimizeResult:
-            return reach(
+    def run(one: Mesh, throw: bool = True) -> OptimizeResult:
+        found: list[tuple[NetGoal, Outcome]] = []
+        for wanted in goals:
+            outcome = reach(
                 one,
-                NET_GOALS[goal],
+                wanted,
                 flat_percent=flat,
                 keep=keep,
                 fixed=fixed,
                 boundary=boundary,
                 features=_features(one, feature_angle),
                 surface=surface,
+                rim=rim,
                 limits=allowed,
-                throw=throw,
                 progress=progress,
-                **options,
             )
+            found.append((wanted, outcome))
+            if not outcome.missed:
+                break
+        return _taken(found).taken(throw)
 
-        if max_pane is None:
-            return run(mesh, throw)
-        try:
-            return with_panes(mesh, max_pane, lambda one: run(one, True))
-        except OptimizeError as error:
-            if throw or not isinstance(error.result, OptimizeResult):
-                raise
-            return error.result
-    if max_pane is not None:
-        raise InputError(f'max_pane is for goals {", ".join(NET_GOALS)}, not for "{goal}"')
-    features = _features(mesh, feature_angle)
-    result = OTHER_GOALS[goal](
-        mesh,
-        fixed=fixed,
-        boundary=boundary,
-        features=features,
-        max_movement=max_movement,
-        throw=throw,
-        progress=progress,
-        **options,
-    )
-    if throw and max_movement is not None and result.movement_max > max_movement:
-        raise OptimizeError(
-            f'goal "{goal}" moves vertices by up to {result.movement_max:.4g} (limit '
-            f"{max_movement:.4g}), most at vertices {named(result.movement)}\n"
-            "allow more movement, or change the design where it is farthest from the goal",
-            result=result,
+    if max_pane is None:
+        return run(mesh, throw)
+    try:
+        return with_panes(mesh, max_pane, run)
+    except OptimizeError as error:
+        if throw or not isinstance(error.result, OptimizeResult):
+            raise
+        return error.result
+
+
+def _goals(goal: str | NetGoal, options: dict[str, Any]) -> Sequence[NetGoal]:
+    """The goals to try in turn."""
+    if isinstance(goal, NetGoal):
+        if options:
+            raise InputError(f'option "{next(iter(options))}" is of no use with a goal of its own')
+        return [goal]
+    if goal not in GOALS:
+        raise InputError(f'goal "{goal}" is unknown; one of {", ".join((*GOALS, *OTHER_GOALS))}')
+    return GOALS[goal](**options)
+
+
+def _taken(found: Sequence[tuple[NetGoal, Outcome]]) -> Outcome:
+    """The outcome of a goal tried with several limits: the last where it is met, else the best."""
+    goal, best = found[-1]
+    if best.missed:  # nothing was met: what misses least, the latest of equals
+        goal, best = min(reversed(found), key=lambda one: len(one[1].missed))
+    if len(found) == 1:
+        return best
+    trials = tuple(
+        Trial(
+            one.label or one.name,
+            not outcome.missed,
+            outcome.result.change.distance_mean,
+            outcome.result.change.distance_max,
+            outcome.result.own(),
         )
-    return result
+        for one, outcome in found
+    )
+    history = tuple(step for _, outcome in found for step in outcome.result.history)
+    remarks = best.result.remarks
+    if not best.missed:
+        passed = ", ".join(one.label for one, outcome in found if outcome.missed)
+        remarks = (f"{passed}: not within the limits; {goal.label} is", *remarks)
+    result = replace(best.result, history=history, tried=trials, remarks=remarks)
+    return Outcome(result, best.missed)
 
 
 def _features(mesh: Mesh, angle: float | None) -> Ints | None:
@@ -210,6 +269,7 @@ def expected(mesh: Mesh) -> Forecast | None:
     """
     frame = Frame.of(mesh)
     small = frame.inside(mesh)
-    if PLANAR.violation(small, small.vertices.ravel()) <= PLANAR.tolerance:
+    problem = net_problem(small, PLANAR)
+    if violation(problem, problem.start) <= PLANAR.tolerance:
         return None
-    return forecast_of(net_problem(small, PLANAR), frame.unit, small.vertex_normals)
+    return forecast_of(problem, frame.unit, small.vertex_normals)

@@ -8,8 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, eye_array, vstack
 
 from ddgfab.mesh import Floats, Ints
-from ddgfab.optimize.barriers import Barrier
-from ddgfab.optimize.problem import Problem, Term
+from ddgfab.optimize.problem import Barrier, Problem, Term
 from ddgfab.optimize.terms.base import LinearTerm, VectorTerm, widened
 
 

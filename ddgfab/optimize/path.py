@@ -16,10 +16,11 @@ from scipy.sparse import csr_array
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats
-from ddgfab.optimize.gauss_newton import Progress, Step
+from ddgfab.optimize.gauss_newton import Progress
 from ddgfab.optimize.linear import SymmetricSolver
 from ddgfab.optimize.merit import Merit, Model, damped
 from ddgfab.optimize.problem import Problem
+from ddgfab.optimize.result import Step
 
 
 @dataclass(frozen=True)

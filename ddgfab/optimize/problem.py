@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,6 @@ from scipy.sparse import csr_array
 from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh
-
-if TYPE_CHECKING:
-    from ddgfab.optimize.barriers import Barrier
 
 VERTICES = "vertices"
 """Name of the first block of every layout."""
@@ -66,6 +63,18 @@ class Following(Protocol):
 
     def at(self, x: Floats) -> Term:
         """The term at the (n,) unknowns."""
+        ...
+
+
+class Barrier(Protocol):
+    """What the unknowns may never lose: a cost that rises without limit before it is lost."""
+
+    def value(self, x: Floats) -> float:
+        """The cost at the (n,) unknowns; infinite where it is lost."""
+        ...
+
+    def active(self, x: Floats) -> tuple[csr_array, Floats, Floats]:
+        """(a, n) slopes of what costs something, (a,) first and second derivatives of the cost."""
         ...
 
 

@@ -8,15 +8,9 @@ from typing import Any, Final
 import numpy as np
 
 from ddgfab.optimize.change import Change
-from ddgfab.optimize.families_goal import FamiliesResult
 from ddgfab.optimize.limits import ids
 from ddgfab.optimize.pane_size import misfit, pane_sizes
-from ddgfab.optimize.result import OptimizeResult
-from ddgfab.optimize.torsion_goal import TorsionFreeResult
-
-WORST: Final = 5
-"""How many of the vertices that moved furthest a report names."""
-
+from ddgfab.optimize.result import WORST, OptimizeResult
 
 PRICES: Final = 6
 """How many lines of the price list a report shows."""
@@ -45,7 +39,8 @@ def comparison(result: OptimizeResult) -> dict[str, Any]:
             "used": float(misfit(result.mesh, result.pane).max()),
         },
         "forecast": None if result.forecast is None else asdict(result.forecast),
-        **_own(result),
+        **result.own(),
+        "tried": [asdict(trial) for trial in result.tried],
         "remarks": list(result.remarks),
         "before": result.before.to_dict(),
         "after": result.after.to_dict(),
@@ -133,57 +128,6 @@ def change_lines(result: OptimizeResult) -> list[str]:
     return lines
 
 
-def _own(result: OptimizeResult) -> dict[str, Any]:
-    """What only one goal has: node axes with their trade-off, or families."""
-    if isinstance(result, TorsionFreeResult):
-        support = result.support
-        return {
-            "torsion_deg_max": support.torsion_deg_max,
-            "lean_deg_max": support.lean_deg_max,
-            "lean_deg_mean": support.lean_deg_mean,
-            "lean_worst": [
-                [int(v), float(np.degrees(support.lean[v]))] for v in support.worst_vertices(WORST)
-            ],
-            "tried": [
-                dict(
-                    zip(
-                        ("lean_limit_deg", "movement_limit", "lean_deg", "movement"),
-                        row,
-                        strict=True,
-                    )
-                )
-                for row in np.asarray(result.tried, dtype=np.float64).tolist()
-            ],
-        }
-    if isinstance(result, FamiliesResult):
-        return {
-            "families_of": result.of,
-            "families_before": result.families_before,
-            "families_after": result.families,
-            "fit_tolerance": float(result.tolerance),
-        }
-    return {}
-
-
-def _own_lines(result: OptimizeResult) -> list[str]:
-    if isinstance(result, TorsionFreeResult):
-        support = result.support
-        worst = ", ".join(
-            f"{v} ({np.degrees(support.lean[v]):.1f})" for v in support.worst_vertices(WORST)
-        )
-        return [
-            f"node axes: torsion max {support.torsion_deg_max:.1e} deg; lean max "
-            f"{support.lean_deg_max:.1f}, mean {support.lean_deg_mean:.1f} deg, worst vertices "
-            f"{worst}"
-        ]
-    if isinstance(result, FamiliesResult):
-        return [
-            f"families of {result.of}s within {result.tolerance:.3g}: {result.families_before} "
-            f"before, {result.families} after"
-        ]
-    return []
-
-
 def comparison_text(result: OptimizeResult) -> str:
     """A table of the measures before and after, then movement and remarks."""
     before, after = result.before, result.after
@@ -211,7 +155,12 @@ def comparison_text(result: OptimizeResult) -> str:
         f"furthest vertices {worst}"
     )
     lines += change_lines(result)
-    lines += _own_lines(result)
+    lines += result.own_lines()
+    for trial in result.tried:
+        lines.append(
+            f"{trial.limit}: {'met' if trial.met else 'missed'}, distance mean / greatest "
+            f"{trial.distance_mean:.3g} / {trial.distance_max:.3g} {after.unit}"
+        )
     lines.append(f"{len(result.history)} steps, residual {result.residual:.2g}")
     lines += [f"note: {remark}" for remark in result.remarks]
     return "\n".join(lines)

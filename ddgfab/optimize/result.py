@@ -4,13 +4,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, Final
 
 import numpy as np
 
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize.change import Change
-from ddgfab.optimize.gauss_newton import Step
+
+WORST: Final = 5
+"""How many of the worst elements a report names."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a solver, a line of its history."""
+
+    objective: float
+    violation: float
+    """Greatest residual of an equation after the step."""
+    longest: float
+    """Greatest movement, of a vertex or of an element of another block of unknowns."""
+    length: float
+    """Part of the proposed step that was taken."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +67,25 @@ class Forecast:
     stretch: float
 
 
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One of the limits that a goal tries in turn, and what came of it.
+
+    Attributes
+    ----------
+    limit : for people
+    met : whether the goal was met within the limits
+    distance_mean, distance_max : from the surface, both ways, in the unit of the mesh
+    own : measures of this goal alone, as `OptimizeResult.own`
+    """
+
+    limit: str
+    met: bool
+    distance_mean: float
+    distance_max: float
+    own: dict[str, Any]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class OptimizeResult:
     """A mesh before and after an optimization.
@@ -67,6 +102,7 @@ class OptimizeResult:
     forecast : what was expected before solving, or None
     advice : options to try next where the goal was missed, as (name, value)
     pane : lengths of the largest pane that was asked for; `original` is divided for it
+    tried : what came of each limit that was tried, if there was more than one
     """
 
     goal: str
@@ -81,6 +117,7 @@ class OptimizeResult:
     forecast: Forecast | None = None
     advice: tuple[tuple[str, object], ...] = ()
     pane: tuple[float, float] | None = None
+    tried: tuple[Trial, ...] = ()
 
     def __repr__(self) -> str:
         return (
@@ -119,3 +156,11 @@ class OptimizeResult:
     def movement_mean(self) -> float:
         """Mean movement of the vertices that faces use."""
         return float(self.movement[self.original.valences > 0].mean())
+
+    def own(self) -> dict[str, Any]:
+        """Measures that only this goal has, ready for JSON."""
+        return {}
+
+    def own_lines(self) -> list[str]:
+        """The same for people."""
+        return []

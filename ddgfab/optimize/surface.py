@@ -46,7 +46,7 @@ class SmoothSurface:
         """(n, 3) nearest points, lifted, and (n, 3) unit normals there."""
         foot, triangle = self._tree.nearest(points)
         corners, normals = self._tree.shapes[triangle], self._normals[triangle]
-        part = _barycentric(foot, corners)
+        part = barycentric(foot, corners)
         normal = unit(np.einsum("nk,nkx->nx", part, normals))
         height = np.einsum("nkx,nkx->nk", corners - foot[:, None], normals)
         lifted = foot + _LIFT * np.einsum("nk,nk,nkx->nx", part, height, normals)
@@ -58,7 +58,7 @@ class SmoothSurface:
         return far
 
 
-def _barycentric(points: Floats, triangles: Floats) -> Floats:
+def barycentric(points: Floats, triangles: Floats) -> Floats:
     """(n, 3) barycentric coordinates of points in triangles (n, 3, 3); areas may vanish."""
     a, b, c = triangles.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
@@ -254,7 +255,7 @@ def _write_missed(
         if name == TRACE:
             run.fail(f"next: {command.traced(value)}")
             return
-        changed = {_KEYS.get(name, name): value for name, value in error.result.advice}
+        changed = dict(_setting(name, value) for name, value in error.result.advice)
         run.fail(f"next: {command.text(changed)}")
 
 
@@ -262,8 +263,17 @@ _KEYS: Final = {
     "flat": "flat_percent",
     "distance_limit": "distance_limit_edges",
     "max_pane": "max_pane_mm",
+    "max_movement": "max_movement_mm",
 }
 """Keys of [optimize] for options of `ddgfab.optimize.optimize` with other names."""
+
+
+def _setting(name: str, value: object) -> tuple[str, object]:
+    """Key and value in [optimize] for an option of `ddgfab.optimize.optimize`."""
+    if name == "max_lean" and isinstance(value, float):
+        return "max_lean_deg", float(f"{math.degrees(value):.4g}")
+    return _KEYS.get(name, name), value
+
 
 _OPTIONS: Final = {
     "goal": "--goal",

@@ -7,7 +7,6 @@ from typing import Any, cast
 
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import Goal, OptimizeResult, optimize
-from ddgfab.optimize.goals import NET_GOALS
 from fabrication.gridshell.project import OptimizeSettings
 from fabrication.progress import Progress, silent
 
@@ -51,15 +50,14 @@ def optimized_mesh(
         rise_limit=settings.rise_limit_percent / 100,
         zigzag_limit=math.radians(settings.zigzag_limit_deg),
         max_pane=settings.max_pane_mm,
-        **_own_options(settings, rim),
+        rim=rim,
+        **_own_options(settings),
         progress=lambda stage, number, step: report(f"optimize: {stage}", number, 0),
     )
 
 
-def _own_options(settings: OptimizeSettings, rim: Mesh | None) -> dict[str, Any]:
+def _own_options(settings: OptimizeSettings) -> dict[str, Any]:
     """What not all goals take."""
-    if settings.goal in NET_GOALS and rim is not None:
-        return {"rim": rim}
     if settings.goal == "torsion-free":
         lean = settings.max_lean_deg
         return {

@@ -162,15 +162,15 @@ class NetSettings(Section):
         return self
 
 
-_NETS: Final = ("planar", "circular", "conical")
+_SHAPES: Final = ("planar", "circular", "conical", "torsion-free")
 
 OPTIMIZE_OPTIONS: Final[dict[str, tuple[str, ...]]] = {
-    "flat_percent": _NETS,
-    "keep": _NETS,
-    "distance_limit_edges": _NETS,
-    "rise_limit_percent": _NETS,
-    "zigzag_limit_deg": _NETS,
-    "max_pane_mm": _NETS,
+    "flat_percent": _SHAPES,
+    "keep": _SHAPES,
+    "distance_limit_edges": _SHAPES,
+    "rise_limit_percent": _SHAPES,
+    "zigzag_limit_deg": _SHAPES,
+    "max_pane_mm": _SHAPES,
     "axes_only": ("torsion-free",),
     "max_lean_deg": ("torsion-free",),
     "families_of": ("families",),
@@ -187,7 +187,7 @@ class OptimizeSettings(Section):
     goal : "planar", "circular", "conical", "torsion-free" (planar faces and upright node axes),
         "families" (fewer congruent pieces); "none" leaves the mesh as it is
     flat_percent : how far faces may be from planar (distance of the diagonals over their mean);
-        default 0.2 for "planar", 0 (exact) for "circular" and "conical"
+        default 0.2 for "planar", 0 (exact) for the others
     keep : "close" to the surface, "balanced", "fair" (smooth faces), or a number between (0.2,
         0.33, 0.5)
     distance_limit_edges : greatest distance from the surface, mean and greatest, in mean edges;

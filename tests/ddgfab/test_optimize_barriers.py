@@ -8,7 +8,13 @@ from optimize_meshes import hexagons, roof, wavy
 
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.optimize.barriers import Barrier, barriers, corner_barriers, edge_barrier, fold_barriers
+from ddgfab.optimize.barriers import (
+    RowBarrier,
+    barriers,
+    corner_barriers,
+    edge_barrier,
+    fold_barriers,
+)
 
 
 def mixed() -> Mesh:
@@ -37,7 +43,7 @@ def test_gradients_against_differences(name: str) -> None:
         np.testing.assert_allclose(slopes, (ahead - back) / (2 * step), atol=1e-7)
 
 
-def moved(mesh: Mesh, kinds: tuple[Barrier, ...], seed: int, part: float = 0.97) -> Floats:
+def moved(mesh: Mesh, kinds: tuple[RowBarrier, ...], seed: int, part: float = 0.97) -> Floats:
     """Unknowns that are part of the way to where a row is at its bound."""
     rng = np.random.default_rng(seed)
     x, way = mesh.vertices.ravel(), rng.normal(size=mesh.vertices.size)

@@ -259,8 +259,13 @@ def test_beyond_the_limits_the_goal_is_missed_and_the_next_option_named() -> Non
     assert best.status == "missed"
     assert best.advice == (("keep", "close"),)
     assert 'keep = "close"' in str(caught.value)
-    with pytest.raises(OptimizeError, match="most at vertices") as caught:
-        optimize(mesh, max_movement=0.01 * wide.movement_max)
+    limit = 0.01 * wide.movement_max
+    with pytest.raises(
+        OptimizeError, match=f"move further: max_movement = {2 * limit:.2g}"
+    ) as caught:
+        optimize(mesh, max_movement=limit)
+    assert isinstance(caught.value.result, OptimizeResult)
+    assert caught.value.result.movement_max < limit
 
 
 def followed(mesh: Mesh) -> tuple[OptimizeResult, dict[str, object]]:

@@ -1,30 +1,29 @@
-"""Terms for node axes on moving vertices, and Newton's method with the curvature of equations."""
+"""Node axes on moving vertices: derivatives of their terms and barriers, and what they measure."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from ddgfab.errors import OptimizeError
 from ddgfab.grid import grid_mesh
-from ddgfab.measures import torsion
+from ddgfab.measures import lean, torsion
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.optimize import Problem, Term
-from ddgfab.optimize.newton import NewtonOptions, curvature, newton
-from ddgfab.optimize.terms import LinearTerm, LocalTerm, closeness, planarity_terms
-from ddgfab.optimize.torsion_problem import TorsionFreeOptions, smooth_change, terms_of
-from ddgfab.optimize.torsion_terms import (
+from ddgfab.optimize.surface import SmoothSurface
+from ddgfab.optimize.terms import closeness
+from ddgfab.optimize.terms.axes import (
     AXES,
     AxisLean,
-    Power,
     axis_torsion,
-    corner_angles,
-    edge_stretch,
+    unit_axes,
     vertex_normals,
 )
+from ddgfab.optimize.terms.cover import covered
+from ddgfab.optimize.torsion_problem import smooth_change
+from ddgfab.optimize.torsion_terms import Power
+from ddgfab.optimize.within import Within, lean_within, movement_within
 from ddgfab.support import parallel_axes
 
 STEP = 1e-6
@@ -46,11 +45,11 @@ def mixed() -> Mesh:
     return Mesh.build(points, [[0, 1, 2, 3, 4], [1, 5, 6, 2], [2, 6, 7]])
 
 
-def problem_on(mesh: Mesh, seed: int = 0) -> tuple[Problem, Floats]:
+def problem_on(mesh: Mesh, seed: int = 0, noise: float = 0.1) -> tuple[Problem, Floats]:
     """Problem with axes, and a point near its start where nothing is special."""
-    problem = Problem.build(mesh, blocks={AXES: mesh.vertex_normals})
-    noise = np.random.default_rng(seed).normal(size=len(problem.start))
-    return problem, problem.start + 0.1 * noise
+    problem = Problem.build(mesh, blocks={AXES: 1.2 * mesh.vertex_normals})
+    away = np.random.default_rng(seed).normal(size=len(problem.start))
+    return problem, problem.start + noise * away
 
 
 def slope(function: Callable[[Floats], Floats], x: Floats) -> Floats:
@@ -62,15 +61,12 @@ def slope(function: Callable[[Floats], Floats], x: Floats) -> Floats:
 def terms(mesh: Mesh) -> dict[str, Term]:
     """Every term of this room."""
     layout = problem_on(mesh)[0].layout
-    lean = AxisLean(mesh=mesh, layout=layout)
     return {
         "torsion": axis_torsion(mesh, layout),
-        "lean": lean,
-        "limited lean": Power(term=lean, width=3, limit=0.3, power=4),
+        "length": unit_axes(mesh, layout),
+        "lean": AxisLean(mesh=mesh, layout=layout),
         "movement": Power(term=closeness(mesh), width=3, limit=0.5, power=2),
-        "stretch": Power(term=edge_stretch(mesh), limit=0.7, power=2),
         "smooth": smooth_change(mesh, 1.0),
-        **{term.name: term for term in corner_angles(mesh)},
     }
 
 
@@ -84,23 +80,75 @@ def test_jacobians_by_finite_differences(mesh: Mesh) -> None:
         assert error < 1e-7 * max(np.abs(exact).max(), 1), name
 
 
+def bounds(mesh: Mesh, problem: Problem) -> dict[str, Within]:
+    return {
+        "lean": lean_within(mesh, problem.layout, 0.6),
+        "movement": movement_within(mesh, problem.layout, 0.3),
+    }
+
+
+@pytest.mark.parametrize("mesh", [hill(), mixed()], ids=["quads", "mixed"])
+def test_barriers_of_radius(mesh: Mesh) -> None:
+    """Gradient by differences; the model of the second derivative is semidefinite, and exact where
+    the vectors are linear in the unknowns."""
+    problem, x = problem_on(mesh, noise=0.06)
+    for name, barrier in bounds(mesh, problem).items():
+        rows, first, second = barrier.active(x)
+        assert np.isfinite(barrier.value(x))
+        assert len(first) > 0
+        wanted = slope(lambda at, b=barrier: np.asarray([b.value(at)]), x)[0]  # type: ignore[misc]
+        np.testing.assert_allclose(rows.T @ first, wanted, atol=1e-6 * max(1, np.abs(wanted).max()))
+        assert second.min() >= 0
+        if name == "movement":
+            gradient = lambda at, b=barrier: b.active(at)[0].T @ b.active(at)[1]  # noqa: E731
+            hessian = (rows.T @ (second[:, None] * rows.toarray())).astype(float)
+            np.testing.assert_allclose(hessian, slope(gradient, x), atol=1e-4)
+
+
+def test_barriers_end_at_their_limits() -> None:
+    mesh = hill()
+    problem = Problem.build(mesh, blocks={AXES: mesh.vertex_normals})
+    for barrier in bounds(mesh, problem).values():
+        assert barrier.value(problem.start) == 0.0
+    turned, moved = problem.start.copy(), problem.start.copy()
+    axis, normal = problem.layout.index(AXES, [7])[0], mesh.vertex_normals[7]
+    across = unit(np.cross(normal, [1.0, 0, 0]))
+    for angle, inside in ((0.59, True), (0.61, False)):
+        turned[axis] = 2.0 * (np.cos(angle) * normal + np.sin(angle) * across)
+        assert np.isfinite(bounds(mesh, problem)["lean"].value(turned)) == inside
+    for far, cost in ((0.14, False), (0.16, True)):  # free up to half the limit
+        moved[3 * 7] = mesh.vertices[7, 0] + far
+        assert (bounds(mesh, problem)["movement"].value(moved) > 0) == cost
+
+
 def test_normals_are_those_of_the_mesh() -> None:
     mesh = mixed()
     normals, _ = vertex_normals(mesh, mesh.vertices)
     assert np.allclose(normals, mesh.vertex_normals, atol=1e-14)
 
 
-def test_torsion_term_is_the_measure() -> None:
-    """sin(torsion) = |det(e, a, b)| / (sin(e, a) sin(e, b)) with unit vectors."""
+def test_terms_are_the_measures() -> None:
+    """sin(torsion) = |det(e, a, b)| / (sin(e, a) sin(e, b)); |a - n| = 2 sin(lean / 2)."""
     mesh = hill()
     problem, x = problem_on(mesh)
     axes = unit(problem.layout.values(x, AXES))
-    x[problem.layout.block(AXES)] = axes.ravel()
     moved = mesh.with_vertices(problem.vertices(x))
     along = unit(moved.edge_vectors)
     sines = [np.linalg.norm(np.cross(along, axes[ends]), axis=1) for ends in moved.edges.T]
     value = np.abs(axis_torsion(mesh, problem.layout).residual(x)) / (sines[0] * sines[1])
     assert np.allclose(value, np.sin(torsion(moved, axes)), atol=1e-12)
+    away = AxisLean(mesh=mesh, layout=problem.layout).residual(x).reshape(-1, 3)
+    assert np.allclose(np.linalg.norm(away, axis=1), 2 * np.sin(lean(moved, axes) / 2), atol=1e-12)
+
+
+def test_axes_cannot_shrink_out_of_torsion() -> None:
+    mesh = hill()
+    problem, x = problem_on(mesh)
+    small = x.copy()
+    small[problem.layout.block(AXES)] *= 1e-3
+    term = axis_torsion(mesh, problem.layout)
+    np.testing.assert_allclose(term.residual(small), term.residual(x), atol=1e-12)
+    assert np.abs(unit_axes(mesh, problem.layout).residual(small)).min() > 0.49
 
 
 def test_torsion_term_vanishes_on_parallel_meshes() -> None:
@@ -111,13 +159,20 @@ def test_torsion_term_vanishes_on_parallel_meshes() -> None:
     assert np.abs(axis_torsion(mesh, problem.layout).residual(problem.start)).max() < 1e-11
 
 
-def test_corner_angles_know_reflex_corners() -> None:
-    low = -np.tan(np.radians(30.0))
-    dart = Mesh.build([[0, 0, 0], [1, low, 0], [0, 2, 0], [-1, low, 0]], [[0, 1, 2, 3]])
-    (term,) = corner_angles(dart)
-    angles = term.residual(dart.vertices.ravel()) + np.pi / 2
-    assert angles[0] == pytest.approx(np.radians(240.0))  # 120 deg to each side of the y axis
-    assert angles.sum() == pytest.approx(2 * np.pi)
+def test_a_surface_is_covered_by_its_mesh_and_not_by_a_part() -> None:
+    """Shrunk towards its middle the mesh stays near the surface, but leaves the flanks bare."""
+    i, j = np.meshgrid(np.arange(-4.0, 5.0), np.arange(-4.0, 5.0), indexing="ij")
+    mesh = grid_mesh(np.stack([i, j, 0.12 * (i**2 + j**2)], axis=-1))
+    cover = covered(mesh)
+    here = mesh.vertices.ravel()
+    assert np.abs(cover.at(here).residual(here)).max() < 1e-12
+    raised = (mesh.vertices + 0.2 * mesh.vertex_normals).ravel()
+    np.testing.assert_allclose(np.abs(cover.at(raised).residual(raised)), 0.2, atol=0.02)
+    half = mesh.vertices * [0.5, 0.5, 0.25]  # on the same paraboloid
+    assert SmoothSurface(mesh).distance(half).max() < 0.1
+    assert np.abs(cover.at(half.ravel()).residual(half.ravel())).max() > 0.3
+    error = cover.at(raised).jacobian(raised).toarray() - slope(cover.at(raised).residual, raised)
+    assert np.abs(error).max() < 1e-7
 
 
 def test_hessian_of_a_limit_on_linear_residuals_is_exact() -> None:
@@ -133,69 +188,6 @@ def test_hessian_of_a_limit_on_linear_residuals_is_exact() -> None:
     assert np.abs(limit.hessian(x).toarray() - exact).max() < 1e-7 * np.abs(exact).max()
 
 
-def test_curvature_of_equations() -> None:
-    mesh = hill()
-    problem, x = problem_on(mesh)
-    for term in (axis_torsion(mesh, problem.layout), *planarity_terms(mesh)):
-        force = np.random.default_rng(2).normal(size=len(term.residual(x)))
-        exact = slope(lambda at, t=term, f=force: np.asarray(t.jacobian(at).T @ f), x)  # type: ignore[misc]
-        found = curvature(term, x, force, problem.scale).toarray()
-        assert np.abs(found - exact).max() < 1e-6 * np.abs(exact).max()
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Sphere(LocalTerm):
-    """|x|^2 - radius^2 for points in space."""
-
-    radius: float
-
-    def values(self, local: Floats) -> Floats:
-        """(m,) residuals."""
-        return np.asarray((local**2).sum(axis=1) - self.radius**2)
-
-    def gradients(self, local: Floats) -> Floats:
-        """(m, 3)."""
-        return 2 * local
-
-
-def on_spheres(mesh: Mesh, radii: Sequence[float]) -> tuple[Sphere, ...]:
-    index = np.arange(3 * mesh.n_vertices).reshape(-1, 3)
-    return tuple(Sphere(name=f"sphere {r}", index=index, radius=r, hard=True) for r in radii)
-
-
-def test_newton_projects_on_spheres() -> None:
-    """The point of a sphere nearest to p is p / |p|; multipliers are large where p is far."""
-    mesh = hill()
-    start = unit(np.random.default_rng(3).normal(size=mesh.vertices.shape)) + 0.2
-    far = 40.0 * unit(mesh.vertices + np.array([3.0, 1.0, 2.0]))
-    problem = Problem.build(
-        mesh.with_vertices(start), [closeness(mesh, far), *on_spheres(mesh, [1.0])]
-    )
-    options = NewtonOptions(decrease=1e-12, steps=60)
-    solution = newton(problem, options)
-    assert solution.converged
-    assert np.abs(problem.vertices(solution.value) - unit(far)).max() < 1e-4
-    assert solution.history[-1].violation <= options.tolerance
-
-
-def test_newton_says_what_contradicts() -> None:
-    mesh = hill()
-    problem = Problem.build(mesh, [closeness(mesh), *on_spheres(mesh, [1.0, 2.0])])
-    with pytest.raises(OptimizeError, match=r"not met after \d+ steps: sphere 1.0 .*row") as caught:
-        newton(problem)
-    assert caught.value.solution is not None
-    kept = newton(problem, throw=False)
-    assert kept.status == "stopped"
-
-
-def test_newton_keeps_fixed_vertices() -> None:
-    mesh = hill()
-    problem = Problem.build(mesh, [closeness(mesh), *planarity_terms(mesh)], fixed=[0, 7, 19])
-    found = problem.vertices(newton(problem).value)
-    assert np.array_equal(found[[0, 7, 19]], mesh.vertices[[0, 7, 19]])
-    assert not np.array_equal(found[5], mesh.vertices[5])
-
-
 def test_smooth_change_lets_linear_motions_pass() -> None:
     """Shifts, and shears of the plan of a regular grid, bend nothing; mixing in z does."""
     i, j = np.meshgrid(np.arange(5.0), np.arange(4.0), indexing="ij")
@@ -207,15 +199,3 @@ def test_smooth_change_lets_linear_motions_pass() -> None:
     bent = mesh.vertices + 0.1 * mesh.vertices[:, [2, 1, 0]]
     # x grows by 0.01 i^2: second differences of 0.02 over an edge of about 1
     assert 0.01 < np.abs(change.residual(bent.ravel())).max() < 0.02
-
-
-def test_limits_come_first_in_the_terms_of_the_recipe() -> None:
-    """The lean's limit is a sine, and corner angles keep what the input has."""
-    mesh = hill()
-    problem, _ = problem_on(mesh)
-    found = terms_of(mesh, problem, (20.0, 0.5), TorsionFreeOptions())
-    limits = [term for term in found if isinstance(term, Power)]
-    assert limits[0].limit == pytest.approx(np.sin(np.radians(18.0)))
-    assert limits[1].limit == pytest.approx(0.45)
-    assert {term.name for term in found if term.hard} == {"axis torsion", "planarity"}
-    assert any(isinstance(term, LinearTerm) for term in found)
