@@ -50,6 +50,7 @@ class NetGoal:
         balance because a corner is reflex)
     label : stage of the history; the name by default
     check : raises where a mesh cannot meet the goal at all
+    weights : weights of the energy -> those of this goal
     still : vertices stay; only the other unknowns are found
     blocks : mesh -> (count, width) first values of unknowns besides the vertices, by name
     wishes : mesh, layout, surface to stay near to (None: the mesh) -> what is added to the energy
@@ -65,6 +66,7 @@ class NetGoal:
     crooked: Callable[[Mesh], Ints] | None = None
     label: str = ""
     check: Callable[[Mesh], None] = lambda mesh: None
+    weights: Callable[[Weights], Weights] = lambda weights: weights
     still: bool = False
     blocks: Callable[[Mesh], Mapping[str, Floats]] = lambda mesh: {}
     wishes: Callable[[Mesh, Layout, Mesh | None], Wishes] = _nothing
@@ -118,7 +120,7 @@ def net_problem(
     given = constraints or Constraints(np.zeros(0, dtype=np.int64), glide=False)
     fixed = np.arange(mesh.n_vertices) if goal.still else given.fixed
     problem = Problem.build(mesh, blocks=goal.blocks(mesh), fixed=fixed)
-    weights = Weights.of(mesh, keep, glide=given.glide)
+    weights = goal.weights(Weights.of(mesh, keep, glide=given.glide))
     smooth = None if surface is None else SmoothSurface(surface)
     kept = energy(mesh, weights, smooth, features, rim)
     following: list[Following] = [t for t in kept if isinstance(t, NearSurface | NearRim)]

@@ -10,7 +10,7 @@ lean below a limit. Vertices slide far in this goal, so the surface is held to t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final
 
@@ -19,6 +19,7 @@ import numpy as np
 from ddgfab.errors import DegenerateError, InputError, SupportError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.optimize.energy import Weights
 from ddgfab.optimize.goal import EXACT, NetGoal, Wishes
 from ddgfab.optimize.problem import Layout, Problem, Term
 from ddgfab.optimize.result import WORST, OptimizeResult
@@ -39,6 +40,9 @@ _UPRIGHT: Final = 0.01
 """Weight of the lean in the energy: draws axes to the normals where nothing else holds them."""
 _COVER: Final = 4.0
 """Weight of the surface's distance from the mesh; vertices from the surface count 1."""
+_SMOOTHER: Final = 10.0, 3.0
+"""How many times smoother movements are than for planar faces, and the least weight of that: this
+goal asks more of a mesh, which would rather crumple than leave its surface."""
 _EASIER: Final = 1.5
 """What is tried next leans this many times further."""
 
@@ -122,11 +126,17 @@ def _with_limit(lean: float, *, axes_only: bool = False) -> NetGoal:
         check=_refuse,
         blocks=partial(_first_axes, max_lean=lean),
         wishes=partial(_wishes, max_lean=lean),
+        weights=_smoother,
         still=axes_only,
         result=TorsionFreeResult,
         own=_axes,
         easier=("max_lean", higher) if higher > lean else None,
     )
+
+
+def _smoother(weights: Weights) -> Weights:
+    factor, least = _SMOOTHER
+    return replace(weights, fair=max(factor * weights.fair, least))
 
 
 def _torsion(mesh: Mesh, layout: Layout) -> tuple[Term, ...]:
