@@ -40,7 +40,7 @@ _UPRIGHT: Final = 0.01
 """Weight of the lean in the energy: draws axes to the normals where nothing else holds them."""
 _COVER: Final = 4.0
 """Weight of the surface's distance from the mesh; vertices from the surface count 1."""
-_SMOOTHER: Final = 10.0, 3.0
+_SMOOTHER: Final = 10.0, 1.5
 """How many times smoother movements are than for planar faces, and the least weight of that: this
 goal asks more of a mesh, which would rather crumple than leave its surface."""
 _EASIER: Final = 1.5

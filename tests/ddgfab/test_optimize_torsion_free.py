@@ -33,11 +33,11 @@ from ddgfab.tolerances import TORSION_EXACT_DEG
 
 
 def vault(turn_deg: float = 25.0, count: int = 5) -> Mesh:
-    """A paraboloid z = (x^2 - 0.3 y^2) / 30 under a square grid turned off its principal lines."""
+    """A paraboloid z = (x^2 - 0.3 y^2) / 12 under a square grid turned off its principal lines."""
     i, j = np.meshgrid(*(np.arange(count + 1.0) - count / 2,) * 2, indexing="ij")
     c, s = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
     x, y = c * i - s * j, s * i + c * j
-    return grid_mesh(np.stack([x, y, (x**2 - 0.3 * y**2) / 30], axis=-1))
+    return grid_mesh(np.stack([x, y, (x**2 - 0.3 * y**2) / 12], axis=-1))
 
 
 def hull(m: int = 12, n: int = 8, oblique_deg: float = 50.0) -> Mesh:
@@ -184,7 +184,7 @@ def test_gliding_boundary() -> None:
 def test_a_fixed_boundary() -> None:
     """Possible where the boundary nearly follows principal lines, and refused where it does not."""
     mesh = vault(turn_deg=5.0)
-    result = torsion_free(mesh, boundary="fixed", max_lean=np.radians(28.0))
+    result = torsion_free(mesh, boundary="fixed", max_lean=np.radians(28.0), zigzag_limit=0.3)
     check(result, 28.0)
     rim = mesh.boundary_vertex
     assert np.array_equal(result.mesh.vertices[rim], mesh.vertices[rim])
@@ -203,16 +203,15 @@ def test_fixed_vertices_stay() -> None:
 
 def test_limits_are_tried_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     """What less lean would have cost is told where the first limit is out of reach."""
-    monkeypatch.setattr(torsion_goal, "LEANS", (0.01, 20.0))
-    mesh = vault(count=3)
-    result = torsion_free(mesh, distance_limit=(0.02, 1.0))
-    check(result, 20.0)
+    monkeypatch.setattr(torsion_goal, "LEANS", (0.5, 30.0))
+    result = torsion_free(hull(8, 6))
+    check(result, 30.0)
     assert [trial.met for trial in result.tried] == [False, True]
     assert result.tried[1].own["lean_deg_max"] == pytest.approx(result.support.lean_deg_max)
-    assert result.remarks[0].startswith("lean up to 0.01 deg: not within the limits")
+    assert result.remarks[0].startswith("lean up to 0.5 deg: not within the limits")
     stages = [stage for stage, _ in result.history]
-    assert stages[0] == "lean up to 0.01 deg"
-    assert stages[-1] == "lean up to 20 deg"
+    assert stages[0] == "lean up to 0.5 deg"
+    assert stages[-1] == "lean up to 30 deg"
 
 
 def test_report(found: TorsionFreeResult) -> None:
