@@ -178,13 +178,6 @@ def _wishes(mesh: Mesh, frame: Frame, limits: Limits) -> tuple[Term, ...]:
     return (pane_wish(mesh, (limits.pane[0] / frame.unit, limits.pane[1] / frame.unit)),)
 
 
-def _wishes(mesh: Mesh, frame: Frame, limits: Limits) -> tuple[Term, ...]:
-    """Wishes of limits: panes no larger than what is made."""
-    if limits.pane is None:
-        return ()
-    return (pane_wish(mesh, (limits.pane[0] / frame.unit, limits.pane[1] / frame.unit)),)
-
-
 def _tolerance(goal: NetGoal, flat_percent: float | None) -> float:
     percent = goal.flat_percent if flat_percent is None else flat_percent
     if not (np.isfinite(percent) and 0 <= percent <= 100):
