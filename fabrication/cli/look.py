@@ -108,17 +108,18 @@ def check_command(
     """Check whether each file is closed and valid, and print its volume."""
     failed = 0
     with session(debug, quiet, verbose) as run:
-        from fabrication.formats.report import inspect_file
+        from fabrication.cli.apart import Apart, report_of
 
-        for file in files:
-            begin = time.perf_counter()
-            report = inspect_file(file)
-            if report.passed:
-                run.say(report.text())
-            else:
-                run.result(report.text())
-            run.detail(f"  read and checked in {time.perf_counter() - begin:.1f} s")
-            failed += not report.passed
+        with Apart() as apart:
+            for file in files:
+                begin = time.perf_counter()
+                report = report_of(file, apart)
+                if report.passed:
+                    run.say(report.text())
+                else:
+                    run.result(report.text())
+                run.detail(f"  read and checked in {time.perf_counter() - begin:.1f} s")
+                failed += not report.passed
         if len(files) > 1 or quiet:
             state = f"{failed} failed" if failed else "every check passed"
             run.result(f"{len(files)} file{'s' if len(files) > 1 else ''}: {state}")

@@ -58,6 +58,7 @@ def trace_command(
         from ddgfab.errors import InputError
         from ddgfab.io import check_target, write_mesh
         from ddgfab.surfaces.analytic import SURFACES
+        from fabrication.cli.apart import require_readable
         from fabrication.cli.changes import put, sections_of
         from fabrication.gridshell.load import make_project
         from fabrication.gridshell.traced import traced_net
@@ -83,6 +84,8 @@ def trace_command(
         check_target(output)
         put(sections, "project", units=units, scale=scale)
         project = make_project({**sections, "net": {"kind": "surface", **net}})
+        if project.mesh_path is not None:
+            require_readable(project.mesh_path)
         name, found = traced_net(project)
         write_mesh(output, found.mesh, units="mm")
         if as_json:
