@@ -119,6 +119,13 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
     except BrokenPipeError:  # the reader has what it wanted, as in `ddgfab net --list | head`
         sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
         raise typer.Exit(DONE) from None
+    except ModuleNotFoundError as error:
+        run.stop()
+        package = str(error.name).partition(".")[0]
+        if debug or package in ("ddgfab", "fabrication"):
+            raise
+        run.fail(f"error: {package} is needed for this and not installed: pip install {package}")
+        raise typer.Exit(BAD_INPUT) from None
     except Exception as error:
         run.stop()
         if debug or (isinstance(error, OSError) and error.filename is None):  # see `output`

@@ -46,6 +46,18 @@ def test_a_fault_of_the_program_has_its_own_exit_code(
     assert isinstance(shown.exception, fault)
 
 
+def test_a_package_that_is_missing_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_obj(tmp_path / "roof.obj", canopy(panels_along=4, panels_across=3))
+    monkeypatch.setitem(sys.modules, "manifold3d", None)
+    words = ["make", str(tmp_path / "roof.obj"), "-o", str(tmp_path / "out"), "--jobs", "1"]
+    result = CliRunner().invoke(app, [*words, "--formats", "csv"])
+    assert result.exit_code == 2, result.output
+    assert "error: manifold3d is needed for this and not installed: pip install" in result.output
+    assert [path.name for path in tmp_path.iterdir()] == ["roof.obj"]
+
+
 def test_bad_usage_keeps_exit_code_2() -> None:
     assert CliRunner().invoke(app, ["inspect"]).exit_code == 2
     assert CliRunner().invoke(app, ["inspect", "none.obj"]).exit_code == 2
