@@ -29,6 +29,12 @@ Anyway = Annotated[
         "--anyway", help="Go on where parts are beyond limits: they are made, and rejected."
     ),
 ]
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace the result of another project in the folder.")
+]
+Output = Annotated[
+    str | None, typer.Option("-o", "--output", help="Folder; default outputs/<project>.")
+]
 Change = Annotated[
     list[str] | None,
     typer.Option(

@@ -50,7 +50,7 @@ def init_command(
         from ddgfab.errors import InputError, OutputError
         from ddgfab.io.atomic import atomic_write
         from fabrication.cli.changes import sections_of
-        from fabrication.job.folder import safe_name
+        from fabrication.job.names import safe_name
 
         sections = sections_of(change)
         if not linkage and source is not None:

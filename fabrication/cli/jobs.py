@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from fabrication.cli.terminal import DONE, FAILED, Session
@@ -28,11 +27,12 @@ D = TypeVar("D", bound="Design")
 
 @dataclass(frozen=True)
 class JobOptions:
-    """How a job is run: where to, past limits or not, for real or not."""
+    """How a job is run: where to, past limits or not, for real or not, over other projects."""
 
-    output: Path | None
+    output: str | None
     anyway: bool
     dry_run: bool
+    force: bool = False
 
 
 def run_job(
@@ -44,29 +44,43 @@ def run_job(
 ) -> int:
     """Design and make, or only plan; prints the report and returns the exit code."""
     from fabrication.formats.registry import needs_kernel
+    from fabrication.job.folder import OutputFolder
     from fabrication.job.plan import plan_job
     from fabrication.job.pool import process_count, worker_pool
-    from fabrication.job.run import make
+    from fabrication.job.run import make, target_for
 
     begin = time.perf_counter()
     for name, value in changed_settings(project):
         run.detail(f"setting {name} = {value}")
     output: Any = getattr(project, "output")  # noqa: B009 - every project has these two
     checks: Any = getattr(project, "checks")  # noqa: B009
+    own: str = getattr(project, "name")  # noqa: B009
+    place = OutputFolder(target_for(own, options.output), project=own, force=options.force)
     if options.dry_run:
+        place.check()
         made = design()
-        plan = plan_job(made.product(), options.output, anyway=options.anyway)
+        plan = plan_job(made.product(), options.output, anyway=options.anyway, force=options.force)
         for line in about(made):
             run.say(line)
         _report_plan(run, plan)
         return FAILED if plan.problems else DONE
+    place.prepare()
     run.detail(f"processes: {process_count(output.jobs)}")
     kernel = needs_kernel(output.formats, checked=checks.verify != "none")
     with worker_pool(output.jobs, kernel=kernel) as pool:
         made = design()
-        result = make(made, options.output, pool=pool, progress=run.progress, anyway=options.anyway)
+        result = make(
+            made,
+            options.output,
+            pool=pool,
+            progress=run.progress,
+            anyway=options.anyway,
+            force=options.force,
+        )
+        run.outcome = f"the files are complete in {result.folder}"
     for line in about(made):
         run.say(line)
+    result = replace(result, kept=(*place.notes, *result.kept))
     _report(run, made.product(), result, time.perf_counter() - begin)
     return result.exit_code
 
@@ -98,6 +112,8 @@ def _report(run: Session, product: Product, result: JobResult, seconds: float) -
     )
     for note in manifest["notes"]:
         run.say(f"note: {note}")
+    for kept in result.kept:
+        run.say(f"note: {kept}")
     for problem in result.problems:
         run.fail(f"FAILED {problem}")
     files = [record["path"] for record in manifest["files"]]

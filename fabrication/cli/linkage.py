@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -14,8 +13,10 @@ from fabrication.cli.common import (
     Change,
     Debug,
     DryRun,
+    Force,
     Formats,
     Jobs,
+    Output,
     Quiet,
     Verbose,
     app,
@@ -35,9 +36,7 @@ def linkage_command(
             "none: the default Bennett kit."
         ),
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder; default outputs/<name>.")
-    ] = None,
+    output: Output = None,
     a: Annotated[float | None, typer.Option(help="Bennett: length a in mm.")] = None,
     alpha: Annotated[float | None, typer.Option(help="Bennett: twist alpha in deg.")] = None,
     b: Annotated[float | None, typer.Option(help="Bennett: length b in mm.")] = None,
@@ -56,6 +55,7 @@ def linkage_command(
     formats: Formats = None,
     change: Change = None,
     anyway: Anyway = False,
+    force: Force = False,
     dry_run: DryRun = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -83,7 +83,7 @@ def linkage_command(
             project,
             lambda: detail_kit(project, run.progress),
             _about,
-            JobOptions(output, anyway, dry_run),
+            JobOptions(output, anyway, dry_run, force),
         )
     raise typer.Exit(code)
 

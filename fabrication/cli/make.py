@@ -14,8 +14,10 @@ from fabrication.cli.common import (
     Debug,
     DryRun,
     Flip,
+    Force,
     Formats,
     Jobs,
+    Output,
     Quads,
     Quiet,
     Units,
@@ -38,9 +40,7 @@ def make_command(
             help="Project (TOML), mesh (OBJ, OFF, PLY), surface (STEP, IGES); none: an example."
         ),
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder; default outputs/<project>.")
-    ] = None,
+    output: Output = None,
     jobs: Jobs = None,
     formats: Formats = None,
     units: Units = None,
@@ -58,6 +58,7 @@ def make_command(
     ] = None,
     change: Change = None,
     anyway: Anyway = False,
+    force: Force = False,
     dry_run: DryRun = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -92,7 +93,7 @@ def make_command(
             project,
             design,
             _about,
-            JobOptions(output, anyway, dry_run),
+            JobOptions(output, anyway, dry_run, force),
         )
     raise typer.Exit(code)
 

@@ -35,10 +35,16 @@ def write(text: str, *, error: bool = False) -> None:
 
 
 class Session:
-    """One run of a command: what it prints, by `--quiet` and `--verbose`, and its progress."""
+    """One run of a command: what it prints, by `--quiet` and `--verbose`, and its progress.
+
+    Attributes
+    ----------
+    outcome : what is said besides when the command is interrupted
+    """
 
     def __init__(self, quiet: bool = False, verbose: bool = False) -> None:
         self.quiet, self.verbose = quiet, verbose
+        self.outcome = "nothing was written"
         self._steps = Steps(hidden=quiet, timed=verbose)
 
     @property
@@ -114,7 +120,7 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt as interrupt:
         run.stop()
-        run.fail(f"interrupted: {interrupt or 'nothing was written'}")
+        run.fail(f"interrupted: {interrupt or run.outcome}")
         raise typer.Exit(ended) from None
     except BrokenPipeError:  # the reader has what it wanted, as in `ddgfab net --list | head`
         sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
@@ -140,13 +146,17 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
 
 
 def _limits_text(error: Exception) -> str | None:
-    """The message of a job that stopped at limits, with the next commands; None for others."""
+    """The message of a job that stopped at entry, with the next commands; None for others."""
     from fabrication.gridshell.axes import AxesError
+    from fabrication.job.folder import OtherProjectError
     from fabrication.job.limits import LimitError, set_arguments
 
     given = ["ddgfab", *sys.argv[1:]]
     if isinstance(error, AxesError):
         return f"{error}\nNext: {shlex.join([*given, *set_arguments(error.settings)])}"
+    if isinstance(error, OtherProjectError):
+        again = shlex.join([*given, "--force"])
+        return f"{error.summary}\nChoose another folder with -o, or replace that result: {again}"
     if not isinstance(error, LimitError):
         return None
     lines = [f"{error.summary}; nothing was made"]

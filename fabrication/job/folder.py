@@ -1,75 +1,128 @@
-"""The output folder: built beside its place under a hidden name, then swapped in whole."""
+"""The output folder: built in a hidden working folder, then put in its place whole."""
 
 from __future__ import annotations
 
 import errno
-import glob
+import hashlib
 import os
-import re
-import shutil
-import unicodedata
-from contextlib import suppress
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import TracebackType
-from typing import Final
+from types import FrameType, TracebackType
+from typing import Any, Final
 
-from ddgfab.errors import InputError, OutputError
-from fabrication.job.manifest import MANIFEST, read_manifest
+from ddgfab.errors import InputError, OutputError, clipped
+from fabrication.job.exchange import holds_mounts, sync_file_system
+from fabrication.job.lock import FolderLock
+from fabrication.job.manifest import MANIFEST, faults, read_manifest
+from fabrication.job.others import WORK
+from fabrication.job.place import NEW, discard, put_in_place, recover
 
-_RESERVED: Final = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
-_LONGEST: Final = 100
+_LONGEST: Final = 200
+"""Bytes of a target's name that its working folder can be named by."""
 
 
-def safe_name(text: str) -> str:
-    """A name for a file or folder: letters, digits and - _ . only, never hidden, never a path.
+class OtherProjectError(OutputError):
+    """A folder that holds the result of another project.
 
-    >>> safe_name("Dach über Hof/2")
-    'Dach-uber-Hof-2'
+    Attributes
+    ----------
+    summary : the message without what to do about it
     """
-    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
-    name = re.sub(r"[^A-Za-z0-9._-]+", "-", plain)[:_LONGEST].lstrip(".-").rstrip(".-")
-    if not name:
-        return "unnamed"
-    return f"_{name}" if _RESERVED.fullmatch(name) else name
+
+    def __init__(self, summary: str) -> None:
+        super().__init__(
+            f"{summary}\nChoose another folder, or replace that result: force=True, --force"
+        )
+        self.summary = summary
 
 
 class OutputFolder:
     """A folder that appears complete or not at all; a context manager.
 
     The block gets the path of the folder to write to, the manifest last. When the block ends well
-    the folder takes its place; a folder of ours that was there is replaced, and files in it that
-    its manifest does not list (somebody else's) are carried over. When the block raises,
-    interrupts included, nothing remains and an old folder stays as it was.
+    the folder takes its place. A result of ours that was there is replaced; what is not ours in it,
+    and files of ours that were edited since, stay. When the block raises, interrupts included, an
+    old folder stays as it was. A job that was killed meanwhile is put right by the next.
+
+    Parameters
+    ----------
+    project : its name; a result of another one is refused
+    force : replace the result of another project
+
+    Attributes
+    ----------
+    notes : what people must know of files that were kept, and of jobs that were put right
 
     Raises
     ------
+    OtherProjectError
+        On entering: the target holds the result of another project.
     OutputError
-        On entering: the target is a file, or a folder that is not ours and not empty, or its
-        parent cannot be written. On leaving: the disk is full or the swap is refused.
+        On entering: the target is a file, or a folder that is not ours and not empty, or cannot be
+        written, or another job is writing it. On leaving: the disk is full, files that the
+        manifest lists are missing, or the system refuses.
     """
 
-    def __init__(self, target: Path | str) -> None:
+    def __init__(self, target: Path | str, *, project: str | None = None, force: bool = False):
+        if str(target) == "":
+            raise OutputError("-o is empty; name a folder, or leave it out")
         self.target: Final = Path(target).resolve()
         if not self.target.name:
             raise OutputError(f"{self.target}: no job can take this place; choose a folder with -o")
-        self.path: Final = self.target.with_name(f".{self.target.name}.partial-{os.getpid()}")
-        self._aside: Final = self.target.with_name(f".{self.target.name}.old-{os.getpid()}")
+        self.project, self.force = project, force
+        self.notes: list[str] = []
+
+    @property
+    def work(self) -> Path:
+        """The working folder: beside the target, or inside one that cannot be renamed."""
+        inside = self.target / WORK
+        if inside.is_dir() or (self.target.is_dir() and _is_fixed(self.target)):
+            return inside
+        return self._beside
+
+    @property
+    def _beside(self) -> Path:
+        name = self.target.name
+        if len(os.fsencode(name)) > _LONGEST:
+            name = hashlib.sha256(os.fsencode(name)).hexdigest()[:16]
+        return self.target.with_name(f".{name}{WORK}")
 
     def check(self) -> None:
         """Raise OutputError where entering would, as far as can be told without writing."""
-        _require_ours(self.target)
-        above = next(folder for folder in self.target.parents if folder.exists())
+        try:
+            self._require_usable()
+            above = next(
+                folder for folder in (self.target, *self.target.parents) if folder.exists()
+            )
+        except OSError as error:
+            raise explain(error, self.target) from error
         if not above.is_dir():
             raise OutputError(f"{above}: is a file; choose another folder with -o")
-        if not os.access(above, os.W_OK | os.X_OK):
+        writes = self.work.parent if above == self.target else above
+        if not all(os.access(folder, os.W_OK | os.X_OK) for folder in (above, writes)):
             raise explain(PermissionError(errno.EACCES, "no permission"), self.target)
 
+    def prepare(self) -> None:
+        """The same before a long job, when what a killed job left has been put right."""
+        if self.work.is_dir() or self._beside.is_dir():
+            self._lock().release()
+        self.check()
+
     def __enter__(self) -> Path:
-        _require_ours(self.target)
+        self.check()
         try:
             self.target.parent.mkdir(parents=True, exist_ok=True)
-            _clear_orphans(self.target)
-            self.path.mkdir()
+            self._held = self._lock()
+            try:
+                self._require_usable()
+                self.path = self._held.folder / f"{NEW}{self._held.token}"
+                self.path.mkdir()
+            except BaseException:
+                self._held.release()
+                raise
         except OSError as error:
             raise explain(error, self.target) from error
         return self.path
@@ -80,36 +133,87 @@ class OutputFolder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        done = False
         try:
-            if error is None:
-                self._commit()
-            elif isinstance(error, OSError):
-                raise explain(error, self.target) from error
+            with _interrupts_later():
+                try:
+                    if error is None:
+                        self._commit()
+                        done = True
+                    elif isinstance(error, OSError):
+                        raise explain(error, self.target) from error
+                finally:
+                    discard(self.path)
+                    self._held.release()
+        except KeyboardInterrupt:
+            if not done:
+                raise
+            raise KeyboardInterrupt(f"the files are complete in {self.target}") from None
+
+    def _lock(self) -> FolderLock:
+        """The lock, with what a killed job left put right."""
+        lock = FolderLock(self.work, self.target)
+        try:
+            lock.acquire()
+            try:
+                with _interrupts_later():
+                    self.notes += recover(self.target, lock.folder)
+                    if lock.folder != self._beside and self._beside.is_dir():
+                        self._recover_beside()
+            except BaseException:
+                lock.release()
+                raise
+        except OSError as error:
+            raise explain(error, self.target) from error
+        return lock
+
+    def _recover_beside(self) -> None:
+        """The same in the other working folder, where the target was found fixed at the end."""
+        lock = FolderLock(self._beside, self.target, both=False)
+        lock.acquire()
+        try:
+            self.notes += recover(self.target, lock.folder)
         finally:
-            shutil.rmtree(self.path, ignore_errors=True)
+            lock.release()
 
     def _commit(self) -> None:
         """Put the staged folder in its place."""
         if not (self.path / MANIFEST).is_file():
             raise OutputError(f"{self.target}: not written, as the job left no {MANIFEST}")
-        _require_ours(self.target)  # it may have changed while the job ran
+        if not self._held.held():
+            raise OutputError(
+                f"{self.target}: not written, as another job took the folder over meanwhile\n"
+                "Run again, with another folder (-o) where the other job is still at work."
+            )
+        if found := faults(self.path):
+            raise OutputError(f"{self.target}: not written, as files got lost: {found}")
+        self._require_usable()  # it may have changed while the job ran
         try:
-            _sync(self.path)
-            if not self.target.exists():
-                self.path.rename(self.target)
-                return
-            _carry_over(self.target, self.path)
-            shutil.rmtree(self._aside, ignore_errors=True)
-            try:
-                self.target.rename(self._aside)
-                self.path.rename(self.target)
-            except BaseException:
-                if not self.target.exists():
-                    self._aside.rename(self.target)
-                raise
+            sync_file_system(self.path)
+            self.notes += put_in_place(self.path, self.target, self._held.folder)
         except OSError as error:
             raise explain(error, self.target) from error
-        shutil.rmtree(self._aside, ignore_errors=True)
+
+    def _require_usable(self) -> None:
+        """Raise unless the target may be replaced: absent, empty, or a result of the project."""
+        target = self.target
+        if not target.exists() and not target.is_symlink():
+            return
+        if not target.is_dir():
+            raise OutputError(f"{target}: is a file; choose another folder with -o")
+        with suppress(InputError):
+            held = read_manifest(target / MANIFEST).get("project")
+            if self.project is not None and held != self.project and not self.force:
+                raise OtherProjectError(
+                    f"{target}: holds the result of project {clipped(held)}; this is "
+                    f"{clipped(self.project)}. Nothing was written."
+                )
+            return
+        if any(path.name != WORK for path in target.iterdir()):
+            raise OutputError(
+                f"{target}: exists and is not an output folder of ddgfab (has no {MANIFEST} of ours)\n"
+                "Choose another folder with -o, or remove it yourself. Nothing was written."
+            )
 
 
 def explain(error: OSError, path: Path) -> OutputError:
@@ -123,67 +227,34 @@ def explain(error: OSError, path: Path) -> OutputError:
     return OutputError(f"{path}: {why}\nNothing was written.")
 
 
-def _clear_orphans(target: Path) -> None:
-    """Remove what killed jobs left beside a target: staging folders whose process is gone."""
-    if os.name != "posix":  # asking whether a process lives would end it elsewhere
+def _is_fixed(target: Path) -> bool:
+    """Whether a folder cannot change its name, or should not: where somebody stands in it."""
+    if holds_mounts(target) or not os.access(target.parent, os.W_OK | os.X_OK):
+        return True
+    with suppress(OSError):
+        return Path.cwd().is_relative_to(target)
+    return False
+
+
+@contextmanager
+def _interrupts_later() -> Iterator[None]:
+    """Ctrl-C and SIGTERM wait for the end of the block, which is short (in the main thread)."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
         return
-    for path in target.parent.glob(f".{glob.escape(target.name)}.partial-*"):
-        owner = path.name.rpartition("-")[2]
-        if not owner.isdigit():
-            continue
-        try:
-            if int(owner) != os.getpid():
-                os.kill(int(owner), 0)
-                continue
-        except ProcessLookupError:
-            pass
-        except OSError:
-            continue
-        shutil.rmtree(path, ignore_errors=True)
+    came: list[int] = []
 
+    def later(number: int, frame: FrameType | None) -> None:
+        came.append(number)
 
-def _sync(folder: Path) -> None:
-    """Every file on the disk, so that the folder's new name never stands for half a job.
-
-    One call to the system where it has one: thousands of single files cost seconds.
-    """
-    if hasattr(os, "sync"):
-        os.sync()
-        return
-    for path in folder.rglob("*"):
-        if path.is_file():
-            with path.open("rb+") as stream:
-                os.fsync(stream.fileno())
-
-
-def _require_ours(target: Path) -> None:
-    """Raise unless the target may be replaced: absent, an empty folder, or one of ours."""
-    if not target.exists() and not target.is_symlink():
-        return
-    if not target.is_dir():
-        raise OutputError(f"{target}: is a file; choose another folder with -o")
-    with suppress(InputError):
-        read_manifest(target / MANIFEST)
-        return
+    before: dict[int, Any] = {}
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) is not None:  # else one that Python did not set
+            before[number] = signal.signal(number, later)
     try:
-        empty = not any(target.iterdir())
-    except OSError as error:
-        raise explain(error, target) from error
-    if not empty:
-        raise OutputError(
-            f"{target}: exists and is not an output folder of ddgfab (no {MANIFEST} of it)\n"
-            "Choose another folder with -o, or remove it yourself. Nothing was written."
-        )
-
-
-def _carry_over(old: Path, new: Path) -> None:
-    """Copy files of the old folder that its manifest does not list, where the new has none."""
-    if not (old / MANIFEST).is_file():
-        return
-    ours = {record["path"] for record in read_manifest(old / MANIFEST).get("files", ())}
-    for path in old.rglob("*"):
-        name = path.relative_to(old).as_posix()
-        copy = new / name
-        if path.is_file() and name not in ours and name != MANIFEST and not copy.exists():
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(path, copy)
+        yield
+    finally:
+        for changed, handler in before.items():
+            signal.signal(changed, handler)
+    if came:
+        signal.raise_signal(came[0])

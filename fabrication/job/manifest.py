@@ -157,10 +157,8 @@ def file_records(folder: Path) -> list[dict[str, Any]]:
     for path in folder.rglob("*"):
         name = path.relative_to(folder).as_posix()
         if path.is_file() and name not in UNLISTED:
-            data = path.read_bytes()
-            records.append(
-                {"path": name, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
-            )
+            size = path.stat().st_size
+            records.append({"path": name, "bytes": size, "sha256": digest_of(path)})
     return sorted(records, key=lambda record: str(record["path"]))
 
 
@@ -233,6 +231,52 @@ def read_manifest(path: Path) -> dict[str, Any]:
     ):
         raise InputError("not a manifest of ddgfab", file=str(path))
     return manifest
+
+
+def listed(folder: Path) -> dict[str, dict[str, Any]]:
+    """The files that a folder's manifest lists, by path; empty where it has none of ours.
+
+    Records that are no records, and paths that would leave the folder, are passed over.
+    """
+    try:
+        records = read_manifest(folder / MANIFEST).get("files")
+    except InputError:
+        return {}
+    found = {}
+    for record in records if isinstance(records, list) else ():
+        path = record.get("path") if isinstance(record, dict) else None
+        if isinstance(path, str) and _stays_inside(path):
+            found[path] = record
+    return found
+
+
+def faults(folder: Path) -> str | None:
+    """What is first missing or wrong by the folder's manifest; None where it is complete."""
+    try:
+        read_manifest(folder / MANIFEST)
+    except InputError as error:
+        return str(error)
+    for name, record in listed(folder).items():
+        path = folder / name
+        try:
+            if path.is_symlink() or path.stat().st_size != record.get("bytes"):
+                return f"{name} is not as long as the manifest says"
+            if digest_of(path) != record.get("sha256"):
+                return f"{name} is not what the manifest says (sha256)"
+        except OSError as error:
+            return f"{name}: {error.strerror or error}"
+    return None
+
+
+def digest_of(path: Path) -> str:
+    """Sha256 of a file."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _stays_inside(path: str) -> bool:
+    parts = path.split("/")
+    return "\0" not in path and all(part not in ("", ".", "..") for part in parts)
 
 
 def _json(value: Any) -> str:

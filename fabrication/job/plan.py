@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fabrication.formats import registry
+from fabrication.job.expected import part_files, whole_files
 from fabrication.job.folder import OutputFolder
 from fabrication.job.limits import check_limits, problems_known
 from fabrication.job.part import Shop
 from fabrication.job.product import Product
 from fabrication.job.run import target_of
-from fabrication.job.whole import PREVIEW
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,20 @@ class Plan:
             yield folder, tuple(by_folder[folder])
 
 
-def plan_job(product: Product, folder: str | Path | None = None, *, anyway: bool = False) -> Plan:
+def plan_job(
+    product: Product,
+    folder: str | Path | None = None,
+    *,
+    anyway: bool = False,
+    force: bool = False,
+) -> Plan:
     """The plan of a product; nothing is written, and no CAD kernel is loaded.
 
     Parameters
     ----------
     folder : default outputs/<project name>
     anyway : pieces beyond limits are named in the plan, instead of an error
+    force : whether the result of another project would be replaced
 
     Raises
     ------
@@ -65,19 +72,11 @@ def plan_job(product: Product, folder: str | Path | None = None, *, anyway: bool
     target = target_of(product, folder)
     formats = tuple(product.format(name) for name in product.output.formats)
     registry.missing(formats, checked=product.verify != "none")
-    place = OutputFolder(target)
+    place = OutputFolder(target, project=product.name, force=force)
     place.check()
     own = tuple(format for format in formats if format.parts)
     shop = Shop(place.target, own, product.about(), product.chord)
-    files = [
-        path.relative_to(place.target).as_posix()
-        for family in product.families
-        for _, path in shop.files(family.number)
-    ]
-    tables = tuple(product.schedules({family.number: 0.0 for family in product.families}))
-    for format in formats:
-        files += format.whole_files(tables, len(product.plates))
-    files += [PREVIEW, *product.extra_files()]
+    files = [*part_files(product, shop), *whole_files(product, formats)]
     pieces = Counter(family.kind.title for family in product.families for _ in family.instances)
     numbers = Counter(family.kind.title for family in product.families)
     return Plan(

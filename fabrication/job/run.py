@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, as_completed
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+from ddgfab.errors import OutputError
 from fabrication.formats import registry
 from fabrication.formats.base import Format, Part, Whole
-from fabrication.job.folder import OutputFolder, safe_name
+from fabrication.job.expected import part_files, require_files, whole_files
+from fabrication.job.folder import OutputFolder
 from fabrication.job.limits import check_limits
 from fabrication.job.manifest import (
     MANIFEST,
@@ -24,11 +26,12 @@ from fabrication.job.manifest import (
     write_manifest,
     write_timings,
 )
+from fabrication.job.names import folder_for
 from fabrication.job.part import PARTS, Made, Shop, make_parts, read_back
 from fabrication.job.pool import Workers, worker_pool
 from fabrication.job.problems import REJECTED, Problem, lines_of, problems_of, rejections
 from fabrication.job.product import Design, Product
-from fabrication.job.whole import draw, write_whole
+from fabrication.job.whole import PREVIEW, draw, write_whole
 from fabrication.progress import Progress, silent
 from fabrication.specs import Check
 
@@ -55,6 +58,7 @@ class JobResult:
     problems : what failed a check or a limit, a line each
     warnings : what could not be done but is no fault of the structure
     seconds : what each step took
+    kept : files of others, and edited ones of ours, that got another name; jobs put right
     """
 
     folder: Path
@@ -62,6 +66,7 @@ class JobResult:
     problems: tuple[str, ...]
     warnings: tuple[str, ...]
     seconds: dict[str, float]
+    kept: tuple[str, ...] = ()
 
     @property
     def exit_code(self) -> int:
@@ -82,6 +87,7 @@ def make(
     pool: Workers | None = None,
     progress: Progress | None = None,
     anyway: bool = False,
+    force: bool = False,
 ) -> JobResult:
     """Parts, checks and files of a design; the folder appears complete or not at all.
 
@@ -94,13 +100,15 @@ def make(
     pool : what `worker_pool` gave, to be used instead of `jobs`
     progress : called as (step, done, of)
     anyway : go on where pieces are beyond limits of the project; they are made, and rejected
+    force : replace the result of another project
 
     Raises
     ------
     LimitError
         Pieces are beyond limits that are known before parts are made; names what helps.
     OutputError
-        The folder cannot be written or is not ours to replace; nothing is changed then.
+        The folder cannot be written or is not ours to replace, holds another project's result, or
+        another job is writing it; nothing is changed then.
     DdgError
         A part cannot be made, or a package is missing that a format needs.
     """
@@ -114,20 +122,31 @@ def make(
     kernel = registry.needs_kernel(product.output.formats, checked=verified)
     with ExitStack() as stack:
         workers = pool or stack.enter_context(worker_pool(jobs, kernel=kernel))
-        staging = stack.enter_context(OutputFolder(target))
+        place = OutputFolder(target, project=product.name, force=force)
+        staging = stack.enter_context(place)
         own = tuple(format for format in formats if format.parts)
         shop = Shop(staging, own, product.about(), product.chord)
         job = _Job(product, formats, shop, target, workers, progress or silent)
         try:
-            return job.run()
+            result = job.run()
         except BaseException:
             workers.stop()  # before the staging folder goes, into which they write
             raise
+    return replace(result, kept=tuple(place.notes))
 
 
 def target_of(product: Product, folder: str | Path | None = None) -> Path:
     """The folder of a product's files: the one given, or outputs/<project name>."""
-    return Path(folder) if folder is not None else Path("outputs") / safe_name(product.name)
+    return target_for(product.name, folder)
+
+
+def target_for(project: str, folder: str | Path | None = None) -> Path:
+    """The same by the project's name."""
+    if folder is None:
+        return folder_for(Path("outputs"), project)
+    if str(folder) == "":
+        raise OutputError("the folder has no name; name one, or leave it out")
+    return Path(folder)
 
 
 class _Job:
@@ -148,6 +167,7 @@ class _Job:
         self.pool, self.tell = pool, tell
         self.seconds: dict[str, float] = dict(product.seconds)
         self.warnings: list[str] = []
+        self.unwritten: set[str] = set()
         self.parts: dict[str, Part] = {}
         self.of_number: dict[str, list[Check]] = {}
         self.of_mark: dict[str, list[Check]] = {}
@@ -172,7 +192,9 @@ class _Job:
         reading += self._read_back(tasks, len(tasks) // 3, len(tasks))
         with self._timed("files of the product"):
             extra = self.product.checks()
-            self.warnings += self.product.write_extra(self.shop.folder)
+            missed = self.product.write_extra(self.shop.folder)
+            self.warnings += missed
+            self.unwritten |= {"extra"} if missed else set()
         with self._timed("waiting for the other processes"):
             self._collect(reading)
             found, warnings = self._collect_whole(writing)
@@ -275,28 +297,29 @@ class _Job:
             plates=product.plates,
         )
 
-    def _write(self, whole: Whole) -> list[Future[Any]]:
-        """Start writing the files of the whole, but for reports, and the preview."""
+    def _write(self, whole: Whole) -> dict[str, Future[Any]]:
+        """Start writing the files of the whole, but for reports, and the preview; by name."""
         verify = self.product.verify != "none"
         if self.pool.at_once:
             self.tell("files of the whole", 0, 0)
-        return [
-            *(
-                self.pool.submit(write_whole, format, self.shop.folder, whole, verify)
+        return {
+            **{
+                format.name: self.pool.submit(write_whole, format, self.shop.folder, whole, verify)
                 for format in self.formats
                 if not format.report
-            ),
-            self.pool.submit(draw, self.shop.folder, whole),
-        ]
+            },
+            PREVIEW: self.pool.submit(draw, self.shop.folder, whole),
+        }
 
-    def _collect_whole(self, writing: Sequence[Future[Any]]) -> tuple[list[Check], list[str]]:
+    def _collect_whole(self, writing: Mapping[str, Future[Any]]) -> tuple[list[Check], list[str]]:
         """Wait for the files of the whole: their checks, and what could not be written."""
         checks: list[Check] = []
         warnings: list[str] = []
-        for done, future in enumerate(writing):
+        for done, (name, future) in enumerate(writing.items()):
             self.tell("files of the whole", done, len(writing))
             missed, found, seconds = future.result()
             warnings += missed
+            self.unwritten |= {name} if missed else set()
             checks += found
             self._add(seconds)
         self.tell("files of the whole", len(writing), len(writing))
@@ -315,6 +338,7 @@ class _Job:
                 verify = self.product.verify != "none"
                 missed, found, seconds = write_whole(format, self.shop.folder, told, verify)
                 self.warnings += missed
+                self.unwritten |= {format.name} if missed else set()
                 self._add(seconds)
                 extra += found
                 lines += lines_of(found)
@@ -333,11 +357,19 @@ class _Job:
     ) -> dict[str, Any]:
         """What manifest.json says."""
         product = self.product
+        files = file_records(self.shop.folder)
+        require_files(
+            [
+                *part_files(product, self.shop, failed),
+                *whole_files(product, self.formats, self.unwritten),
+            ],
+            (record["path"] for record in files),
+        )
         manifest = build_manifest(
             project=product.name,
             facts=product.facts(),
             parts=part_records(product.families, self.parts, checks),
-            files=file_records(self.shop.folder),
+            files=files,
             extra_checks=extra,
             libraries=(*product.libraries, *self.libraries),
         )

@@ -153,6 +153,29 @@ def test_a_file_in_the_way_and_a_foreign_folder(roof: Path, tmp_path: Path) -> N
     assert (tmp_path / "folder" / "thesis.txt").exists()
 
 
+@pytest.mark.parametrize(("place", "words"), [("", "has no name"), ("/", "no job can take")])
+def test_a_place_that_cannot_be_is_found_before_the_work(
+    place: str, words: str, tmp_path: Path
+) -> None:
+    """The mesh is not even read: its name is wrong too."""
+    result = ddgfab("make", tmp_path / "roof.obj", "-o", place)
+    assert result.exit_code == 2
+    assert words in result.output
+
+
+def test_another_project_is_replaced_only_by_force(roof: Path, tmp_path: Path) -> None:
+    words = ["-o", tmp_path / "out", "--formats", "csv", "--jobs", 1, "--verify", "none"]
+    assert ddgfab("make", roof, *words).exit_code == 0
+    other = tmp_path / "大阪.obj"
+    other.write_bytes(roof.read_bytes())
+    result = ddgfab("make", other, *words)
+    assert result.exit_code == 2
+    assert f"project {roof.stem}; this is 大阪" in result.output
+    assert "--force" in result.output
+    assert ddgfab("make", other, *words, "--dry-run").exit_code == 2
+    assert ddgfab("make", other, *words, "--force").exit_code == 0
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_stopping_a_job_leaves_nothing(number: signal.Signals, tmp_path: Path) -> None:

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import errno
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +11,7 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError, OutputError
-from fabrication.job.folder import OutputFolder, safe_name
+from fabrication.job.folder import OutputFolder
 from fabrication.job.manifest import (
     build_manifest,
     file_records,
@@ -135,40 +132,8 @@ def test_a_full_disk_ends_in_one_message(tmp_path: Path) -> None:
 
 def test_a_parent_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match="out"), OutputFolder(tmp_path / "file" / "out"):
+    with pytest.raises(OutputError, match="file: is a"), OutputFolder(tmp_path / "file" / "out"):
         pytest.fail("entered")
-
-
-def test_a_failed_swap_brings_the_old_folder_back(tmp_path: Path, monkeypatch: Any) -> None:
-    target = tmp_path / "out"
-    with OutputFolder(target) as folder:
-        fill(folder, "old")
-    rename = Path.rename
-
-    def refuse(self: Path, to: Path) -> Path:
-        if ".partial-" in self.name:
-            raise OSError(errno.EACCES, "no")
-        return rename(self, to)
-
-    monkeypatch.setattr(Path, "rename", refuse)
-    with pytest.raises(OutputError, match="no permission"), OutputFolder(target) as folder:
-        fill(folder)
-    assert (target / "parts" / "a.step").read_text() == "old"
-    assert [p.name for p in tmp_path.iterdir()] == ["out"]
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["../../etc/passwd", "", "...", ".hidden", "CON", "nul.step", "a/b\\c", "Dach über", "x" * 300],
-)
-def test_safe_names_never_leave_their_folder(tmp_path: Path, text: str) -> None:
-    name = safe_name(text)
-    assert name
-    assert not name.startswith(".")
-    assert set(name) <= set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.")
-    assert (tmp_path / name).resolve().parent == tmp_path.resolve()
-    assert name.split(".")[0].lower() not in {"con", "nul", "aux", "prn", "com1", "lpt1"}
-    assert safe_name(name) == name
 
 
 def test_the_manifest_is_plain_json_in_a_fixed_order(tmp_path: Path) -> None:
@@ -201,19 +166,3 @@ def test_file_records_match_sha256_of_the_files(tmp_path: Path) -> None:
     assert second["path"] == "b/x.txt"
     # FIPS 180-2, appendix B.1
     assert second["sha256"].startswith("ba7816bf8f01cfea414140de5dae2223")
-
-
-@pytest.mark.skipif(os.name != "posix", reason="needs process ids that can be asked for")
-def test_what_a_killed_job_left_is_cleared(tmp_path: Path) -> None:
-    gone = subprocess.Popen([sys.executable, "-c", "pass"])
-    gone.wait()
-    orphan = tmp_path / f".out.partial-{gone.pid}"
-    living = tmp_path / f".out.partial-{os.getppid()}"
-    other = tmp_path / ".another.partial-1x"
-    for folder in (orphan, living, other):
-        (folder / "parts").mkdir(parents=True)
-    with OutputFolder(tmp_path / "out") as staging:
-        fill(staging)
-    assert not orphan.exists()
-    assert living.exists()
-    assert other.exists()
