@@ -211,7 +211,7 @@ class OutputFolder:
             return
         if any(path.name != WORK for path in target.iterdir()):
             raise OutputError(
-                f"{target}: exists and is not an output folder of ddgfab (has no {MANIFEST} of ours)\n"
+                f"{target}: exists and is not an output folder of ddgfab (no {MANIFEST} of it)\n"
                 "Choose another folder with -o, or remove it yourself. Nothing was written."
             )
 
