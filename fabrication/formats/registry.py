@@ -1,4 +1,4 @@
-"""Which formats there are: one line each. Light: a format's module is imported when it is used."""
+"""Which formats there are: one line each. Light: everything else is imported when it is used."""
 
 from __future__ import annotations
 
@@ -6,9 +6,6 @@ from collections.abc import Iterable, Mapping
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Final
-
-from ddgfab.errors import InputError
-from ddgfab.suggest import suggestion
 
 if TYPE_CHECKING:
     from fabrication.formats.base import Format
@@ -68,6 +65,9 @@ def find(name: str) -> Format:
 
 def check_names(given: Iterable[str], known: Iterable[str]) -> None:
     """Raise InputError for the first name that is not known, with the nearest one."""
+    from ddgfab.errors import InputError
+    from ddgfab.suggest import suggestion
+
     known = tuple(known)
     for name in given:
         if name not in known:
@@ -76,6 +76,9 @@ def check_names(given: Iterable[str], known: Iterable[str]) -> None:
 
 def check_options(options: Mapping[str, Mapping[str, str]]) -> None:
     """Raise InputError for the first option, or value of one, that its format does not have."""
+    from ddgfab.errors import InputError
+    from ddgfab.suggest import suggestion
+
     check_names(options, names())
     for name, chosen in options.items():
         known = find(name).options
@@ -100,6 +103,8 @@ def missing(formats: Iterable[Format], *, checked: bool) -> None:
     InputError
         Names the format, the package and how to install it.
     """
+    from ddgfab.errors import InputError
+
     for format in formats:
         needs: Mapping[str, str] = format.needs
         if checked:
