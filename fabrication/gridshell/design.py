@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
+from ddgfab.arguments import instead
 from ddgfab.errors import InputError
 from ddgfab.forms.generators import GENERATORS
 from ddgfab.forms.registry import find_generator, generate
@@ -167,8 +168,14 @@ def design(
     DdgError
         The project, the mesh, the structure or a part is invalid; names the value and its limit.
     """
-    if isinstance(source, tuple):
+    if isinstance(source, tuple) and len(source) == 2:
         source = Mesh.build(*source)
+    if source is not None and not isinstance(source, (str, Path, Mesh)):
+        advice = instead(source, "Mesh")
+        raise InputError(
+            f"design: source is of type {type(source).__name__}; a project or mesh file, a Mesh or "
+            f"(vertices, faces) is needed{f' ({advice})' if advice else ''}"
+        )
     mesh = source if isinstance(source, Mesh) else None
     if isinstance(source, Mesh):
         project = project_for_mesh(GIVEN, sections)  # of any unit, as a file is

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from ddgfab.errors import OutputError
+from ddgfab.errors import InputError, OutputError
 from fabrication.formats import registry
 from fabrication.formats.base import Format, Part, Whole
 from fabrication.job.expected import part_files, require_files, whole_files
@@ -79,6 +79,25 @@ class JobResult:
         return f"JobResult({parts} parts in {self.folder}, {state})"
 
 
+def _product(design: Any) -> Product:
+    """What a design or a kit makes.
+
+    Raises
+    ------
+    InputError
+        Something else; names what makes a design of it.
+    """
+    made = getattr(design, "product", None)
+    product = made() if callable(made) and not isinstance(design, type) else None
+    if not isinstance(product, Product):
+        raise InputError(
+            f"make: design is of type {type(design).__name__}; a Design, a Kit or a Product is "
+            "needed: make(design(source)), where source is a project or mesh file, a Mesh or "
+            "(vertices, faces); make(kit(source)) for a linkage"
+        )
+    return product
+
+
 def make(
     design: Design | Product,
     folder: str | Path | None = None,
@@ -112,7 +131,7 @@ def make(
     DdgError
         A part cannot be made, or a package is missing that a format needs.
     """
-    product = design if isinstance(design, Product) else design.product()
+    product = design if isinstance(design, Product) else _product(design)
     if not anyway:
         check_limits(product)
     target = target_of(product, folder)

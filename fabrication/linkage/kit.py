@@ -264,6 +264,12 @@ def kit(
     >>> kit("bennett", a_mm=100, alpha_deg=40, beta_deg=70).mechanism.mobility
     1
     """
+    if source is not None and not isinstance(source, (str, Path)):
+        raise InputError(
+            f"kit: source is of type {type(source).__name__}; a kind of linkage "
+            f"({', '.join(kit_kinds())}), a project file or the mesh file of a K-net is needed "
+            "(write_mesh(path, mesh) writes one)"
+        )
     return detail_kit(find_kit_project(source, settings), progress)
 
 
