@@ -10,11 +10,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
+from ddgfab.surfaces.nearest import nearest_points
 from ddgfab.trace.field import LEAST_ANGLE_DEG, Field, PrincipalField, sines
 from ddgfab.trace.lines import Line, Tracer
 from ddgfab.trace.samples import Samples
@@ -28,6 +30,8 @@ _SQUEEZED, _COVERED = 0.6, 1.0
 """Lines nearer than this may go while all samples stay within the second of a line."""
 _LONGEST: Final = 3.0
 """Longest line, in diameters of the surface."""
+_OFF: Final = 0.01
+"""Points to run through may be this far from the surface, as a part of its size."""
 _FINEST: Final = 1e-3
 """Least spacing, as a part of the size of the surface."""
 
@@ -56,12 +60,14 @@ class Network:
 
 
 @checked
-def place(field: Field, spacing: tuple[float, float]) -> Network:
+def place(field: Field, spacing: tuple[float, float], through: ArrayLike | None = None) -> Network:
     """Lines of both families, evenly spaced.
 
     Parameters
     ----------
     spacing : wished distance of the lines of family 0, and of family 1
+    through : (k, 3) points of the surface: a line of each family runs through each of them (a
+        ridge, a line of the facade), and the others are counted from the first
 
     Raises
     ------
@@ -95,14 +101,16 @@ def place(field: Field, spacing: tuple[float, float]) -> Network:
         Tracer(field, family, _STEP * spacing[family], _LONGEST * samples.diameter, poles)
         for family in (0, 1)
     ]
-    start = _start(samples, poles, min(spacing))[None]
+    fixed = _fixed(field, through, samples)
+    start = fixed[:1] if len(fixed) else _start(samples, poles, min(spacing))[None]
     lines: list[list[Line]] = []
     for family in (0, 1):
         across = tracers[1 - family].lines(start)
-        seeds = _along(across, spacing[family]) if across else start
-        own = tracers[family].lines(seeds)
+        kept = tracers[family].lines(fixed)
+        seeds = _along(across, spacing[family], start if len(fixed) else None) if across else start
+        own = [*kept, *tracers[family].lines(seeds)]
         own = _filled(own, tracers[family], samples, spacing[family])
-        lines.append(_thinned(own, samples, spacing[family]))
+        lines.append(_thinned(own, samples, spacing[family], len(kept)))
     for family in (0, 1):
         if len(lines[family]) < 2:
             raise DegenerateError(
@@ -133,12 +141,54 @@ def _start(samples: Samples, poles: Floats, spacing: float) -> Floats:
     return np.asarray(samples.parameters[int(far.argmax())])
 
 
-def _along(lines: list[Line], spacing: float) -> Floats:
-    """Parameters at equal arc lengths, about the spacing, half of one from ends in the rim."""
+def _fixed(field: Field, through: ArrayLike | None, samples: Samples) -> Floats:
+    """(k, 2) parameters of points that lines are to run through.
+
+    Raises
+    ------
+    InputError
+        Points of another shape, off the surface or outside of its trim; names the first.
+    """
+    if through is None:
+        return np.zeros((0, 2))
+    surface = field.surface
+    points = np.asarray(through, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+        raise InputError(f"through has shape {points.shape}: finite points (k, 3) are needed")
+    found = nearest_points(surface, points)
+    limit = _OFF * samples.diameter
+    for k, (far, inside) in enumerate(
+        zip(found.distance, surface.trim.inside(found.uv), strict=True)
+    ):
+        x, y, z = points[k]
+        if far > limit:
+            raise InputError(
+                f"{surface.name}: point {k} of through ({x:g}, {y:g}, {z:g}) lies {far:.4g} from "
+                f"the surface (limit {limit:.4g}, 1 % of the size)"
+            )
+        if not inside:
+            raise InputError(
+                f"{surface.name}: point {k} of through ({x:g}, {y:g}, {z:g}) lies outside of the "
+                "trimming curves"
+            )
+    return found.uv
+
+
+def _along(lines: list[Line], spacing: float, start: Floats | None = None) -> Floats:
+    """Parameters at equal arc lengths, about the spacing, half of one from ends in the rim.
+
+    With a start (1, 2) on the line, at whole spacings from it, without itself.
+    """
     out = []
     for line in lines[:1]:
-        count = max(1, round(line.length / spacing))
-        s = (np.arange(count) + 0.5) * line.length / count
+        if start is None:
+            count = max(1, round(line.length / spacing))
+            s = (np.arange(count) + 0.5) * line.length / count
+        else:
+            at = line.s[int(np.linalg.norm(line.uv - start, axis=1).argmin())]
+            steps = np.arange(np.ceil(-at / spacing), np.floor((line.length - at) / spacing) + 1)
+            s = at + steps[steps != 0] * spacing
+            s = s[(s > 0) & (s < line.length)]
         out.append(line.at(s))
     return np.concatenate(out)
 
@@ -176,8 +226,11 @@ def _filled(lines: list[Line], tracer: Tracer, samples: Samples, spacing: float)
     return lines
 
 
-def _thinned(lines: list[Line], samples: Samples, spacing: float) -> list[Line]:
-    """Without lines that come near to others, most squeezed first, as long as none is missed."""
+def _thinned(lines: list[Line], samples: Samples, spacing: float, kept: int = 0) -> list[Line]:
+    """Without lines that come near to others, most squeezed first, as long as none is missed.
+
+    The first `kept` lines stay.
+    """
     clouds = [_dense(line) for line in lines]
     owner = np.repeat(np.arange(len(lines)), [len(cloud) for cloud in clouds])
     tree = cKDTree(np.concatenate(clouds))
@@ -192,7 +245,7 @@ def _thinned(lines: list[Line], samples: Samples, spacing: float) -> list[Line]:
     covers[owner[touch.col], touch.row] = True
     count = covers.sum(axis=0)
     alive = np.ones(len(lines), dtype=bool)
-    refused = np.zeros(len(lines), dtype=bool)
+    refused = np.arange(len(lines)) < kept
     while True:
         table = np.where(alive[:, None] & alive[None], nearest, np.inf)
         least = np.where(refused, np.inf, table.min(axis=1))

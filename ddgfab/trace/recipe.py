@@ -37,6 +37,7 @@ def trace(
     *,
     along: ArrayLike | None = None,
     turn: float | None = None,
+    through: ArrayLike | None = None,
 ) -> Traced:
     """A net on a surface whose edges follow principal, or conjugate, directions.
 
@@ -46,6 +47,7 @@ def trace(
     along : normal (3,) of parallel planes: one family is the sections with them, the other
         conjugate to it
     turn : angle [rad] from the principal directions to one family, the other is conjugate to it
+    through : (k, 3) points of the surface through which lines of both families run
 
     Raises
     ------
@@ -63,6 +65,6 @@ def trace(
     elif turn is not None:
         field = ConjugateField(surface, turned(turn))
     one, two = spacing if isinstance(spacing, tuple) else (spacing, spacing)
-    network = place(field, (float(one), float(two)))
+    network = place(field, (float(one), float(two)), through)
     found = network_mesh(network)
     return Traced(network, found, quality(network, found))

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fabrication.cli.common import Change, Debug, Quiet, Units, Verbose, app
 from fabrication.cli.terminal import Session, session
+
+if TYPE_CHECKING:
+    from ddgfab.surfaces.spline import SplineSurface
+    from ddgfab.trace import Traced
 
 
 @app.command("trace")
@@ -36,12 +40,19 @@ def trace_command(
         float | None,
         typer.Option(help="One family is turned from principal by this [deg], one is conjugate."),
     ] = None,
+    through: Annotated[
+        list[str] | None,
+        typer.Option(help="X,Y,Z [mm]: a line of each family runs through it. Repeatable."),
+    ] = None,
     units: Units = None,
     scale: Annotated[
         float | None, typer.Option(help="Factor on a mesh's coordinates, before the unit.")
     ] = None,
     change: Change = None,
     listing: Annotated[bool, typer.Option("--list", help="List the surfaces by name.")] = False,
+    picture: Annotated[
+        bool, typer.Option(help="Write OUTPUT.png: the net, umbilics, how determined lines are.")
+    ] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -50,14 +61,19 @@ def trace_command(
     """Trace a net of nearly planar quads on a surface: curvature lines, or conjugate lines.
 
     Writes the mesh [mm], trimmed at the rim of the surface (curved trims as polygons of 96 sides an
-    edge), and reports spacing, planarity and umbilics. `ddgfab optimize` makes its faces planar.
+    edge), a report (OUTPUT.json: spacing, planarity, umbilics, angles of the edges, which vertices
+    are inner, rim or corner) and a picture of umbilics and anisotropy. `ddgfab optimize` makes the
+    faces planar.
     Settings are those of [net]: `--set net.spacing_mm=1500`, and the parameters of surfaces by
     name: `ddgfab trace dome --set net.radius_x_mm=30e3`.
     """
     with session(debug, quiet, verbose) as run:
         from ddgfab.errors import InputError
         from ddgfab.io import check_target, write_mesh
+        from ddgfab.io.atomic import atomic_path
         from ddgfab.surfaces.analytic import SURFACES
+        from ddgfab.trace.alignment import alignment
+        from ddgfab.trace.mesh import TAGS
         from fabrication.cli.apart import require_readable
         from fabrication.cli.changes import put, sections_of
         from fabrication.gridshell.load import make_project
@@ -74,7 +90,8 @@ def trace_command(
             spacing_mm=spacing,
             spacing_across_mm=across,
             face=face,
-            along=None if along is None else _vector(along),
+            along=None if along is None else _vector(along, "--along"),
+            through=None if not through else [_vector(point, "--through") for point in through],
             turn_deg=turn,
         )
         if surface is not None:
@@ -87,13 +104,48 @@ def trace_command(
         if project.mesh_path is not None:
             require_readable(project.mesh_path)
         name, found = traced_net(project)
+        has_quads = bool((found.mesh.face_sizes == 4).any())  # coarse nets may have none
+        edges = alignment(found.mesh, name) if has_quads else None
+        record = found.quality.to_dict() | ({} if edges is None else {"edges": edges.to_dict()})
+        tags = [TAGS[tag] for tag in found.traced.tag.tolist()]
         write_mesh(output, found.mesh, units="mm")
+        with atomic_path(output.with_suffix(".json")) as temporary:
+            text = json.dumps({**record, "vertex_tags": tags}, indent=1)
+            temporary.write_text(text + "\n", encoding="utf-8")
+        warning = _draw(output.with_suffix(".png"), name, found) if picture else ""
         if as_json:
-            run.result(json.dumps(found.quality.to_dict(), indent=1))
-            return
-        run.detail(f"surface: {name!r}")
-        run.say(f"{found.quality.text()}\n{found.mesh!r}")
-        run.result(f"written to {output} [mm]")
+            run.result(json.dumps(record, indent=1))
+        else:
+            run.detail(f"surface: {name!r}")
+            rows = [] if edges is None else edges.lines()
+            said = [found.quality.text(), *(f"{title:<16}{text}" for title, text in rows)]
+            run.say("\n".join([*said, repr(found.mesh)]))
+            run.result(f"written to {output} [mm]")
+        if warning:
+            run.fail(warning)
+
+
+def _draw(path: Path, surface: SplineSurface, found: Traced) -> str:
+    """The net, and how determined its lines are; a warning where this machine cannot draw."""
+    import numpy as np
+
+    from ddgfab.errors import OutputError
+    from ddgfab.surfaces.principal import principal
+    from fabrication.pictures.fields import Panel, write_panels
+
+    certain = principal(surface.jets(found.traced.uv)).anisotropy
+    places = np.array([umbilic.x for umbilic in found.network.umbilics]).reshape(-1, 3)
+    names = tuple(f"umbilic {umbilic.index:+g}" for umbilic in found.network.umbilics)
+    rim = np.flatnonzero(found.mesh.boundary_edge)
+    panels = [
+        Panel(found.mesh, lines=rim, marks=places, captions=names),
+        Panel(found.mesh, certain, "anisotropy", (0.0, 1.0)),
+    ]
+    try:
+        write_panels(path, panels)
+    except OutputError as error:
+        return f"no picture: {error}"
+    return ""
 
 
 def _source(surface: str) -> dict[str, Any]:
@@ -104,7 +156,7 @@ def _source(surface: str) -> dict[str, Any]:
     return {"file": surface} if is_file else {"surface": surface}
 
 
-def _vector(text: str) -> tuple[float, ...]:
+def _vector(text: str, option: str) -> tuple[float, ...]:
     from ddgfab.errors import InputError, clipped
 
     try:
@@ -112,7 +164,7 @@ def _vector(text: str) -> tuple[float, ...]:
     except ValueError:
         numbers = ()
     if len(numbers) != 3:
-        raise InputError(f"--along {clipped(text)}: expected three numbers, for instance 0,1,0")
+        raise InputError(f"{option} {clipped(text)}: expected three numbers, for instance 0,1,0")
     return numbers
 
 

@@ -103,6 +103,7 @@ class NetSettings(Section):
     face : "surface": which face of the file, from 0
     along : "surface": normal of planes; one family is the sections, the other conjugate to it
     turn_deg : "surface": angle of one family to the principal directions, the other is conjugate
+    through : "surface": points [mm] through which a line of each family runs: [[0, 0, 3000]]
     """
 
     kind: str = MESH
@@ -118,6 +119,13 @@ class NetSettings(Section):
     face: Annotated[int, Field(ge=0)] | None = None
     along: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)] | None = None
     turn_deg: Finite | None = None
+    through: (
+        Annotated[
+            tuple[Annotated[tuple[Finite, Finite, Finite], Field(strict=False)], ...],
+            Field(strict=False),
+        ]
+        | None
+    ) = None
 
     @classmethod
     def keys(cls) -> set[str]:

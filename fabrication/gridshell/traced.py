@@ -52,6 +52,7 @@ def traced_net(project: Project) -> tuple[SplineSurface, Traced]:
         (net.spacing_mm, net.spacing_across_mm or net.spacing_mm),
         along=net.along,
         turn=None if net.turn_deg is None else math.radians(net.turn_deg),
+        through=None if not net.through else np.array(net.through),
     )
 
 

@@ -7,8 +7,10 @@ import pytest
 from surface_cases import ellipsoid_cap, graph
 
 from ddgfab.errors import DegenerateError, InputError
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.surfaces.analytic import named_surface
+from ddgfab.surfaces.fit import fit_mesh
 from ddgfab.surfaces.sampled import interpolated
 from ddgfab.trace import (
     ConjugateField,
@@ -16,7 +18,9 @@ from ddgfab.trace import (
     network_mesh,
     place,
     plane_sections,
+    turned,
 )
+from ddgfab.trace.alignment import alignment
 
 
 def traced(surface, spacing, other=None):
@@ -156,3 +160,48 @@ def test_unreached_hole_is_refused() -> None:
     square = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
     with pytest.raises(DegenerateError, match="no line reaches a hole"):
         traced(graph(lambda x, y: x**2 - y**2, trim=[square, hole]), 0.39)
+
+
+def test_lines_run_through_points_that_are_given() -> None:
+    surface = named_surface("wave-roof")
+    points = surface.points(np.array([[2100.0, 900.0], [-7300.0, -3100.0]]))
+    network = place(PrincipalField(surface), (1500.0, 1500.0), points)
+    for lines in network.lines:
+        for point, (line, steps) in zip(points, [(k, lines) for k in (0, 1)], strict=True):
+            assert np.linalg.norm(steps[line].x - point, axis=1).min() < 1e-6
+    found = network_mesh(network)
+    gaps = np.linalg.norm(found.mesh.vertices[:, None] - points, axis=2).min(axis=0)
+    assert gaps.max() < 1e-3  # both families meet in each of the points
+    with pytest.raises(InputError, match=r"point 0 of through .* lies .* from the surface"):
+        place(PrincipalField(surface), (1500.0, 1500.0), [[0.0, 0.0, 9e3]])
+    with pytest.raises(InputError, match="through has shape"):
+        place(PrincipalField(surface), (1500.0, 1500.0), [0.0, 0.0, 9e3])
+
+
+def test_net_turned_from_principal_is_conjugate() -> None:
+    """Angles of the edges by another route: second derivatives at the centers of the faces."""
+    surface = named_surface("dome")
+    field = ConjugateField(surface, turned(np.radians(12)))
+    found = network_mesh(place(field, (1500.0, 1500.0)))
+    edges = alignment(found.mesh, surface)
+    assert edges.conjugate_deg is not None
+    assert edges.conjugate_deg[2] < 0.2
+    assert edges.principal_deg is not None
+    assert edges.principal_deg[0] > 5
+
+
+def test_scan_with_noise_keeps_its_cells_at_the_rim() -> None:
+    """Noise turns the last steps of lines along the rim; the cells there keep their order."""
+    rng = np.random.default_rng(1)
+    u, v = np.meshgrid(np.linspace(-10, 10, 60), np.linspace(-7, 7, 50), indexing="ij")
+    jitter = 0.3 * rng.uniform(-0.3, 0.3, (2, *u.shape))
+    jitter[:, [0, -1]] = 0
+    jitter[:, :, [0, -1]] = 0
+    u, v = u + jitter[0], v + jitter[1]
+    z = 2.6 * (1 - 0.7 * (v / 7) ** 2 - 0.3 * (u / 10) ** 2) + 0.2 * np.sin(u / 4)
+    points = np.stack([u, v, z], axis=-1) + 2e-3 * rng.normal(size=(*u.shape, 3))
+    surface = fit_mesh(grid_mesh(points)).surface
+    for spacing in (1.3, 1.4, 1.5, 1.6):
+        found = traced(surface, spacing)
+        assert found.area_error < 1e-10
+        assert (found.mesh.face_sizes[found.inner_faces] == 4).all()

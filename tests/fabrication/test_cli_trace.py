@@ -111,3 +111,21 @@ def test_bad_input_is_named(arguments: list[str], message: str, tmp_path: Path) 
     assert code == 2
     assert message in text
     assert not list(tmp_path.iterdir())
+
+
+def test_report_with_tags_and_picture_lie_beside_the_mesh(tmp_path: Path) -> None:
+    target = tmp_path / "net.obj"
+    code, text = run("saddle", "-o", target, "--spacing", 2500, "--through", "0,0,0")
+    assert code == 0, text
+    record = json.loads(target.with_suffix(".json").read_text())
+    mesh = read_mesh(target).in_place
+    tags = record["vertex_tags"]
+    assert len(tags) == mesh.n_vertices
+    assert tags.count("corner") == 4
+    assert sum(tag != "inner" for tag in tags) == int(mesh.boundary_vertex.sum())
+    assert np.linalg.norm(mesh.vertices, axis=1).min() < 1.0  # a node where lines were asked for
+    assert record["edges"]["principal_deg"][0] < 0.5
+    assert target.with_suffix(".png").stat().st_size > 20_000
+    code, text = run("saddle", "-o", target, "--through", "0,0")
+    assert code == 2
+    assert "--through 0,0: expected three numbers" in text
