@@ -22,7 +22,7 @@ from ddgfab.nets import circular_to_conical
 from ddgfab.nets.knet import dini, skew_parallelogram
 from ddgfab.nets.minimal import minimal_surface
 from ddgfab.nets.sisothermic import SIsothermic
-from ddgfab.optimize import Goal, optimize
+from ddgfab.optimize import Goal, TorsionFreeResult, optimize
 from ddgfab.support import SupportKind, support_structure
 from ddgfab.transforms import christoffel_dual, gauss_image, invert, mesh_curvatures
 
@@ -179,6 +179,33 @@ def test_goals_under_similarities(goal: Goal) -> None:
         assert error < max(1e-6, 1e3 * at.rounding), (at.name, error)
     other, vertices, _ = relabelled(mesh)
     assert np.abs(optimize(other, goal).mesh.vertices - plain[vertices]).max() < 1e-6
+
+
+def bent(m: int = 5, n: int = 4) -> Mesh:
+    """A bent grid off the principal directions, without symmetry."""
+    i, j = np.meshgrid(np.arange(m + 1.0), np.arange(n + 1.0), indexing="ij")
+    x, y = i + 0.15 * j, 1.1 * j - 0.1 * i + 0.01 * i**2
+    return grid_mesh(np.stack([x, y, -0.08 * x**2 - 0.05 * y**2 - 0.03 * x * y], axis=-1))
+
+
+def test_torsion_free_meshes_and_axes_under_similarities() -> None:
+    mesh = bent()
+
+    def run(one: Mesh) -> tuple[Floats, Floats]:
+        found = optimize(one, "torsion-free", max_lean=np.radians(15.0))
+        assert isinstance(found, TorsionFreeResult)
+        return found.mesh.vertices, found.axes
+
+    points, axes = run(mesh)
+    for at in NEAR:
+        moved, turned = run(at.mesh(mesh))
+        limit = max(1e-6, 1e4 * at.rounding)
+        assert np.abs(moved - at(points)).max() / at.scale < limit, at.name
+        assert np.abs(turned - at.vectors(axes, 0)).max() < limit, at.name
+    other, vertices, _ = relabelled(mesh)
+    moved, turned = run(other)
+    assert np.abs(moved - points[vertices]).max() < 1e-6
+    assert np.abs(turned - axes[vertices]).max() < 1e-6
 
 
 # --- node axes -----------------------------------------------------------------------------------
