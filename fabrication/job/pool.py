@@ -1,15 +1,33 @@
-"""Where the work on parts runs: processes, or this process."""
+"""Where the work on parts runs: processes, or this process. A process that dies is not the end."""
 
 from __future__ import annotations
 
 import os
+import queue
 import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
-from contextlib import contextmanager
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
 from multiprocessing import active_children, get_context, parent_process
 from typing import Any, Protocol
+
+from ddgfab.errors import DdgError
+
+
+class WorkerLostError(DdgError):
+    """A process ended while it worked, twice: with others beside it, and then alone.
+
+    Attributes
+    ----------
+    why : the message without what it was about
+    """
+
+    why = "a worker was killed, probably out of memory; try --jobs 1"
+
+    def __init__(self, what: str = "") -> None:
+        super().__init__(f"{what}: {self.why}" if what else self.why)
 
 
 class Workers(Protocol):
@@ -21,7 +39,7 @@ class Workers(Protocol):
     at_once: bool
 
     def submit(self, fn: Callable[..., Any], /, *args: Any) -> Future[Any]:
-        """Start a call."""
+        """Start a call. Its result raises `WorkerLostError` where processes die of it."""
 
     def stop(self) -> None:
         """End everything at once; whatever was being written stays as it is."""
@@ -52,10 +70,85 @@ def worker_pool(jobs: int, *, kernel: bool = True) -> Iterator[Workers]:
         pool.stop()  # at the good end too: nothing runs any more, and leaving the kernel takes time
 
 
-class _Processes(ProcessPoolExecutor):
-    """A pool whose workers start at once, leave Ctrl-C to this process and end with it."""
+class _Processes:
+    """Processes that start at once, leave Ctrl-C to this process and end with it.
+
+    When one dies, all calls that were not over are lost with the pool. They run once more, one
+    after the other, each in a process that has no others beside it: then it is known which call
+    it was, and there is more memory.
+    """
 
     at_once = False
+
+    def __init__(self, count: int, kernel: bool) -> None:
+        self._kernel = kernel
+        self._pool = _Executor(count, kernel)
+        self._lost: queue.SimpleQueue[tuple[Future[Any], Any, Any]] = queue.SimpleQueue()
+        self._rescue: threading.Thread | None = None
+        self._alone: _Executor | None = None
+        self._guard = threading.Lock()
+        self._stopped = False
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any) -> Future[Any]:
+        result: Future[Any] = Future()
+        try:
+            first = self._pool.submit(fn, *args)
+        except BrokenProcessPool:
+            self._again(result, fn, args)
+            return result
+        first.add_done_callback(lambda done: self._over(done, result, fn, args))
+        return result
+
+    def stop(self) -> None:
+        self._stopped = True
+        self._pool.stop()
+        with self._guard:
+            if self._alone is not None:
+                self._alone.stop()
+
+    def _over(
+        self, done: Future[Any], result: Future[Any], fn: Callable[..., Any], args: Any
+    ) -> None:
+        """Hand a result on, or begin again where the pool was lost."""
+        if done.cancelled() or self._stopped:
+            result.cancel()
+            return
+        error = done.exception()
+        if isinstance(error, BrokenProcessPool):
+            self._again(result, fn, args)
+        elif error is not None:
+            result.set_exception(error)
+        else:
+            result.set_result(done.result())
+
+    def _again(self, result: Future[Any], fn: Callable[..., Any], args: Any) -> None:
+        self._lost.put((result, fn, args))
+        with self._guard:
+            if self._rescue is None:
+                self._rescue = threading.Thread(target=self._one_by_one, daemon=True)
+                self._rescue.start()
+
+    def _one_by_one(self) -> None:
+        """Carry out what was lost, in a process that works for nobody else."""
+        while not self._stopped:
+            result, fn, args = self._lost.get()
+            try:
+                with self._guard:
+                    if self._stopped:
+                        return
+                    if self._alone is None:
+                        self._alone = _Executor(1, self._kernel)
+                result.set_result(self._alone.submit(fn, *args).result())
+            except BrokenProcessPool:
+                with self._guard:
+                    self._alone = None
+                result.set_exception(WorkerLostError())
+            except Exception as error:
+                result.set_exception(error)
+
+
+class _Executor(ProcessPoolExecutor):
+    """A pool whose workers start at once."""
 
     def __init__(self, count: int, kernel: bool) -> None:
         self._others = active_children()
@@ -64,7 +157,8 @@ class _Processes(ProcessPoolExecutor):
         )
         with _interrupts_ignored():  # inherited by the workers
             for _ in range(count):
-                self.submit(_ready)
+                with suppress(BrokenProcessPool):  # one that dies at once is found when it is used
+                    self.submit(_ready)
 
     def stop(self) -> None:
         for worker in active_children():
@@ -110,7 +204,12 @@ def _interrupts_ignored() -> Iterator[None]:
 
 def _begin(kernel: bool) -> None:
     """Of a worker: end with the parent; if asked, load the kernel and keep it quiet."""
+    from fabrication.formats.step.apart import expendable
+
+    with suppress(ValueError):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    expendable()
     if not kernel:
         return
     from fabrication.formats.step.xcaf import mute

@@ -13,7 +13,7 @@ from typing import Any, Final, TypeVar
 
 from ddgfab.errors import InputError, OutputError
 from fabrication.formats import registry
-from fabrication.formats.base import Format, Part, Whole
+from fabrication.formats.base import Format, Material, Part, Whole
 from fabrication.job.expected import part_files, require_files, whole_files
 from fabrication.job.folder import OutputFolder
 from fabrication.job.limits import check_limits
@@ -28,12 +28,12 @@ from fabrication.job.manifest import (
 )
 from fabrication.job.names import folder_for
 from fabrication.job.part import PARTS, Made, Shop, make_parts, read_back
-from fabrication.job.pool import Workers, worker_pool
+from fabrication.job.pool import WorkerLostError, Workers, worker_pool
 from fabrication.job.problems import REJECTED, Problem, lines_of, problems_of, rejections
 from fabrication.job.product import Design, Product
 from fabrication.job.whole import PREVIEW, draw, write_whole
 from fabrication.progress import Progress, silent
-from fabrication.specs import Check
+from fabrication.specs import Check, Family
 
 BATCH: Final = 24
 """Most part numbers that a process takes at a time."""
@@ -208,7 +208,7 @@ class _Job:
         failed = self._failed()
         whole = self._whole(failed)
         writing = self._write(whole)
-        reading += self._read_back(tasks, len(tasks) // 3, len(tasks))
+        reading |= self._read_back(tasks, len(tasks) // 3, len(tasks))
         with self._timed("files of the product"):
             extra = self.product.checks()
             missed = self.product.write_extra(self.shop.folder)
@@ -239,13 +239,25 @@ class _Job:
             begun += len(batch)
             if self.pool.at_once:
                 self.tell("parts", begun, len(orders))
-        for future in futures:
-            made: list[Made] = future.result()
-            for one in made:
+        for batch, future in zip(_batches(orders), futures, strict=True):
+            for one in self._made(batch, future):
                 self.parts[one.part.number] = one.part
                 self.of_number[one.part.number] = list(one.checks)
                 self._add(one.seconds)
             self.tell("parts", len(self.parts), len(orders))
+
+    def _made(
+        self, batch: Sequence[tuple[Family, Material]], future: Future[list[Made]]
+    ) -> Iterator[Made]:
+        """A batch's parts; where a process was lost, they are made one by one."""
+        try:
+            yield from future.result()
+        except WorkerLostError:
+            for order in batch:
+                try:
+                    yield from self.pool.submit(make_parts, [order], self.shop).result()
+                except WorkerLostError:
+                    raise WorkerLostError(order[0].number) from None
 
     def _sample(self) -> list[Part]:
         """The parts whose files are read back."""
@@ -254,23 +266,34 @@ class _Job:
 
     def _read_back(
         self, tasks: Sequence[Sequence[Part]], first: int, last: int
-    ) -> list[Future[Any]]:
-        """Start reading files back."""
-        reading = []
+    ) -> dict[Future[Any], Sequence[Part]]:
+        """Start reading files back; the parts of each call."""
+        reading = {}
         for done, task in enumerate(tasks[first:last], first):
             if self.pool.at_once:
                 self.tell("read back", done, len(tasks))
-            reading.append(self.pool.submit(read_back, task, self.shop))
+            reading[self.pool.submit(read_back, task, self.shop)] = task
         return reading
 
-    def _collect(self, reading: Sequence[Future[Any]]) -> None:
-        """Wait for part files read back."""
+    def _collect(self, reading: Mapping[Future[Any], Sequence[Part]]) -> None:
+        """Wait for part files read back. A part that no process survives fails its check."""
         for done, future in enumerate(as_completed(reading), 1):
-            found, seconds = future.result()
-            for number, checks in found.items():
-                self.of_number[number] += checks
-            self._add({"read back (all processes)": seconds})
+            try:
+                self._take(future.result())
+            except WorkerLostError:
+                for part in reading[future]:
+                    try:
+                        self._take(self.pool.submit(read_back, [part], self.shop).result())
+                    except WorkerLostError as lost:
+                        self.of_number[part.number].append(Check("file readable", False, lost.why))
             self.tell("read back", done, len(reading))
+
+    def _take(self, result: tuple[dict[str, list[Check]], float]) -> None:
+        """Checks of part files read back."""
+        found, seconds = result
+        for number, checks in found.items():
+            self.of_number[number] += checks
+        self._add({"read back (all processes)": seconds})
 
     def _checks(self) -> dict[str, list[Check]]:
         """Every piece's checks: its limits, its part number's, its clearances."""
@@ -336,7 +359,12 @@ class _Job:
         warnings: list[str] = []
         for done, (name, future) in enumerate(writing.items()):
             self.tell("files of the whole", done, len(writing))
-            missed, found, seconds = future.result()
+            try:
+                missed, found, seconds = future.result()
+            except WorkerLostError as lost:
+                if name != PREVIEW:
+                    raise WorkerLostError(f"{name} of the whole") from None
+                missed, found, seconds = [f"no {name}: {lost.why}"], [], {}
             warnings += missed
             self.unwritten |= {name} if missed else set()
             checks += found

@@ -11,6 +11,7 @@ from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.surfaces.trim import polygon_area
+from fabrication.formats.step.apart import apart
 from fabrication.formats.step.xcaf import free_labels, read_document
 
 _CURVE_POINTS: Final = 96
@@ -43,7 +44,7 @@ def cad_faces(path: Path) -> list[Any]:
 
 
 def read_cad_surface(path: Path, face: int | None = None) -> SplineSurface:
-    """One face of a STEP or IGES file.
+    """One face of a STEP or IGES file, read by the CAD kernel in a process of its own.
 
     Parameters
     ----------
@@ -52,8 +53,14 @@ def read_cad_surface(path: Path, face: int | None = None) -> SplineSurface:
     Raises
     ------
     InputError
-        No such face, several faces and none chosen (lists them), or one that is no regular patch.
+        No such face, several faces and none chosen (lists them), or one that is no regular patch;
+        a file that the kernel cannot read, or not within the limits of time and memory.
     """
+    return apart(_read_surface, path, face)
+
+
+def _read_surface(path: Path, face: int | None) -> SplineSurface:
+    """The same in this process."""
     faces = cad_faces(path)
     if face is None:
         if len(faces) > 1:

@@ -27,6 +27,14 @@ EVERY = 1 if os.environ.get("DDGFAB_ATTACK") else 0
 """Whether the rarer ways are killed at every step too; see benchmarks/README.md."""
 
 
+@pytest.fixture(autouse=True)
+def no_waiting_for_disks(monkeypatch: Any) -> None:
+    """A killed process leaves what it wrote; only power cuts need what waits for disks."""
+    monkeypatch.setattr(os, "fsync", lambda descriptor: None)
+    for module in (place, folder_module):
+        monkeypatch.setattr(module, "sync_file_system", lambda folder: None)
+
+
 def one_step(monkeypatch: Any) -> None:
     """Exchange in one step."""
 

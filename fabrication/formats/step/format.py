@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, cast, get_args
 
+from ddgfab.errors import InputError
 from fabrication.checks.solid import check_solid
 from fabrication.formats.base import About, Format, Part, Whole
 from fabrication.formats.report import FileReport
+from fabrication.formats.step.apart import apart
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
 from fabrication.formats.step.inspect import step_report
 from fabrication.formats.step.read import check_step_part
@@ -38,11 +40,10 @@ class Step(Format):
 
     def check_part(self, path: Path, part: Part) -> list[Check]:
         """The kernel's solid against the closed form, and the file read back."""
-        volume = part.properties.volume
-        return [
-            *check_solid(part.solid, volume),
-            *check_step_part(path, number=part.number, volume=volume),
-        ]
+        try:
+            return apart(_check_part, path, part, foreign=False)
+        except InputError as error:
+            return [Check("file readable", False, str(error))]
 
     def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
         """assembly.step."""
@@ -71,14 +72,31 @@ class Step(Format):
             mark: (number, whole.parts[number].properties.volume, at)
             for number, mark, at in whole.standing()
         }
-        return check_step_assembly(folder / ASSEMBLY, expected, whole.failed)
+        try:
+            return apart(
+                check_step_assembly,
+                folder / ASSEMBLY,
+                expected,
+                whole.failed,
+                foreign=False,
+            )
+        except InputError as error:
+            return [Check("assembly readable", False, str(error))]
 
     def _schema(self, about: About) -> Schema:
         return cast(Schema, self.option(about, "schema"))
 
     def inspect(self, path: Path) -> FileReport:
         """Each product: solids, closed, valid, volume; and what solids share where they stand."""
-        return step_report(path)
+        return apart(step_report, path)
+
+
+def _check_part(path: Path, part: Part) -> list[Check]:
+    volume = part.properties.volume
+    return [
+        *check_solid(part.solid, volume),
+        *check_step_part(path, number=part.number, volume=volume),
+    ]
 
 
 def _product(part: Part) -> Product:
