@@ -28,6 +28,7 @@ from fabrication.gridshell.axes import node_axes, notes_on_axes
 from fabrication.gridshell.detailing.gridshell import Gridshell, detail
 from fabrication.gridshell.load import load_project, project_for_mesh
 from fabrication.gridshell.optimized import optimized_mesh
+from fabrication.gridshell.plausible import unlikely
 from fabrication.gridshell.project import MESH, SURFACE, Project
 from fabrication.gridshell.schedules import schedules
 from fabrication.gridshell.traced import distance_note, traced_net, traced_optimum
@@ -43,6 +44,9 @@ if TYPE_CHECKING:
 Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] | None"
 """A project file, a mesh file, a mesh, (vertices, faces), or None for the built-in example."""
 
+
+LONGEST_EDGE_MM: Final = 1e6
+"""A median edge above this [mm] means that a mesh is in another unit, as a very short one does."""
 
 GIVEN: Final = "mesh given in Python"
 """Stands for the kind of net where a script gave the mesh itself."""
@@ -234,9 +238,23 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     stop("support structure")
     start("detail")
     gridshell = detail(net.mesh, support, project)
+    net = replace(net, notes=(*net.notes, *_unlikely(project, net.mesh, gridshell)))
     grouped = families(gridshell.pieces, project.checks.family_tolerance_mm)
     stop("detail")
     return Design(project, net, measures, support, gridshell, grouped, seconds, optimized)
+
+
+def _unlikely(project: Project, mesh: Mesh, gridshell: Gridshell) -> tuple[str, ...]:
+    """What is unlikely of the design, as notes or as an error, as the project says."""
+    if project.checks.plausibility == "ignore":
+        return ()
+    found = unlikely(project, mesh, gridshell)
+    if found and project.checks.plausibility == "fail":
+        raise InputError(
+            "\n".join([*found, '[checks] plausibility = "warn" goes on all the same']),
+            file=None if project.file is None else str(project.file),
+        )
+    return found
 
 
 def support_kind(project: Project) -> SupportKind:
@@ -253,7 +271,7 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     Raises
     ------
     InputError
-        The mesh cannot be read, or its edges are so short that its unit must be another.
+        The mesh cannot be read, or its edges are so short or long that its unit must be another.
     DegenerateError
         Parameters of a generated net that fit their limits but not each other; names the cell.
     """
@@ -274,7 +292,7 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     median = float(np.median(mesh.edge_lengths))
     stated, file = (None, None) if read is None else (read.units, read.file)
     factor = project.project.factor(median, stated, file)
-    if median * factor < SHORTEST_MEDIAN_MM:
+    if not SHORTEST_MEDIAN_MM <= median * factor <= LONGEST_EDGE_MM:
         raise InputError(
             f"{unlikely_size(median * factor)}\n"
             'Set [project] units = "m", scale = ..., or median_edge_mm = 1500 '

@@ -385,6 +385,8 @@ class CheckSettings(Section):
     min_angle_deg : azimuth difference of neighbouring arms
     torsion_deg : of an edge; default 0.1, the limit for optimized structures
     family_tolerance_mm : parts whose corners agree within it share a part number
+    plausibility : what becomes of quantities that are far from what is built: "warn", "fail" or
+        "ignore"
     verify : which files are read back: one for every part number, one in ten, or none
     """
 
@@ -395,6 +397,7 @@ class CheckSettings(Section):
     min_angle_deg: Annotated[float, Field(ge=0, le=120)] = 25.0
     torsion_deg: Degrees = 0.1
     family_tolerance_mm: NotNegative = 0.1
+    plausibility: Literal["warn", "fail", "ignore"] = "warn"
     verify: Verify = "all"
 
     @model_validator(mode="after")
