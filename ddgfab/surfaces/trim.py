@@ -42,7 +42,7 @@ class Trim:
         ------
         InputError
             Fewer than three corners, corners outside the domain, a loop that crosses itself or
-            another; names loop and place.
+            another, a hole outside of the first loop; names loop and place.
         """
         u0, u1, v0, v1 = domain
         if loops is None:
@@ -70,6 +70,15 @@ class Trim:
             out.append(loop if (area > 0) == outer else loop[::-1].copy())
         trim = Trim(tuple(out))
         trim._check_simple(name)
+        whole = Trim((out[0],))
+        for number, hole in enumerate(out[1:], 1):
+            outside = ~whole.inside(0.5 * (hole + np.roll(hole, 1, axis=0)))
+            if outside.all():
+                u, v = hole[0]
+                raise InputError(
+                    f"{name}: trim {number} is no hole: it lies outside of trim 0, at u = {u:.6g}, "
+                    f"v = {v:.6g}"
+                )
         return trim
 
     @cached_property

@@ -20,7 +20,7 @@ from ddgfab.surfaces.nearest import nearest_points
 from ddgfab.trace.field import LEAST_ANGLE_DEG, Field, PrincipalField, sines
 from ddgfab.trace.lines import Line, Tracer
 from ddgfab.trace.samples import Samples
-from ddgfab.trace.umbilics import Umbilic, check_anisotropy, umbilics
+from ddgfab.trace.umbilics import Umbilic, check_anisotropy, check_curved, umbilics
 
 _STEP: Final = 0.25
 """A step, as a part of the spacing."""
@@ -95,6 +95,7 @@ def place(field: Field, spacing: tuple[float, float], through: ArrayLike | None 
         check_anisotropy(samples)
         found = umbilics(samples)
     else:
+        check_curved(samples)
         _check_angles(field, samples)
     poles = np.array([umbilic.x for umbilic in found]).reshape(-1, 3)
     tracers = [

@@ -20,10 +20,12 @@ _JOIN: Final = 1.6
 """Zeros nearer than this [cells] are one: a rotational apex splits into two of index 1/2."""
 _ROUND: Final = 1e-3
 """Anisotropy below which a sample counts as umbilic."""
+_FLAT: Final = 1e-6
+"""Curvature times size below which a surface is plane."""
 _ROUND_SHARE: Final = 0.2
 """With a greater share of such samples every orthogonal net is principal."""
-_MANY: Final = 8
-"""More zeros than this may lie on a line of umbilics."""
+_MANY: Final = 3
+"""So many zeros, or more, may lie on a line of umbilics."""
 _NOISE: Final = 40
 """More zeros than this are noise."""
 _LOW: Final = 0.05
@@ -59,11 +61,32 @@ def check_anisotropy(samples: Samples) -> None:
     DegenerateError
         A sphere, a plane, or much of one.
     """
-    part = float((samples.principal.anisotropy[samples.inside] < _ROUND).mean())
+    found = samples.principal
+    bend = np.maximum(np.abs(found.larger), np.abs(found.smaller))[samples.inside]
+    flat = bend * samples.diameter < _FLAT
+    check_curved(samples)
+    part = float(((found.anisotropy[samples.inside] < _ROUND) | flat).mean())
     if part > _ROUND_SHARE:
         raise DegenerateError(
             f"{samples.surface.name}: {100 * part:.0f} % of it is spherical or plane: every "
             "orthogonal net is principal there\ngive directions: --along X,Y,Z (plane sections)"
+        )
+
+
+def check_curved(samples: Samples) -> None:
+    """Raise where a surface is plane: every net on it has planar faces, none is better.
+
+    Raises
+    ------
+    DegenerateError
+        A plane.
+    """
+    found = samples.principal
+    bend = np.maximum(np.abs(found.larger), np.abs(found.smaller))[samples.inside]
+    if float(bend.max()) * samples.diameter < _FLAT:
+        raise DegenerateError(
+            f"{samples.surface.name}: is plane (curvature times size below {_FLAT:g}): no "
+            "directions are better than others\nany net drawn on it has planar faces"
         )
 
 
@@ -89,7 +112,7 @@ def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
     )
     inside = samples.surface.trim.inside(zeros)
     groups = [group for group in _clusters(zeros / samples.cell) if inside[group].any()]
-    if len(groups) > _MANY:
+    if len(groups) >= _MANY:
         u, v = zeros[groups[0][0]]
         what = _many(samples, np.array([zeros[group].mean(axis=0) for group in groups]))
         if what:

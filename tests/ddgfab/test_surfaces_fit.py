@@ -11,6 +11,7 @@ from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Mesh
 from ddgfab.surfaces.fit import fit_mesh
+from ddgfab.surfaces.nearest import nearest_points
 from ddgfab.surfaces.principal import lifted, principal
 from ddgfab.trace import network_mesh, place
 from ddgfab.trace.field import PrincipalField
@@ -39,24 +40,46 @@ def direction_errors(count: int, noise: float) -> np.ndarray:
     keep = np.flatnonzero((np.abs(uv) < [0.5, 0.44]).all(axis=1))
     true = ellipsoid_cap((90, 80)).jets(uv[keep])
     exact = lifted(true, principal(true).first)
-    # the fit's parameters of these points: nearest of a fine grid, then projection is enough
-    u0, u1, v0, v1 = surface.trim.box
-    grid = np.stack(
-        np.meshgrid(np.linspace(u0, u1, 250), np.linspace(v0, v1, 250), indexing="ij"), axis=-1
-    ).reshape(-1, 2)
-    where = grid[cKDTree(surface.points(grid)).query(true.x)[1]]
-    jets = surface.jets(where)
+    jets = surface.jets(nearest_points(surface, true.x).uv)
     found = principal(jets)
     side = [lifted(jets, d) for d in (found.first, found.second)]
     cos = np.max([np.abs(np.einsum("nx,nx->n", exact, d)) for d in side], axis=0)
     return np.degrees(np.arccos(np.clip(cos, -1, 1)))
 
 
+def ring_errors(count: int, noise: float) -> np.ndarray:
+    """The same of quadratic patches through the vertices of two rings: what is done elsewhere."""
+    mesh, uv = cap_mesh(count, noise)
+    near = np.flatnonzero((np.abs(uv) < [0.45, 0.4]).all(axis=1))[::23]
+    true = ellipsoid_cap((90, 80)).jets(uv[near])
+    exact = lifted(true, principal(true).first)
+    _, rings = cKDTree(mesh.vertices).query(mesh.vertices[near], k=19)  # a vertex and two rings
+    out = []
+    for i, ring in zip(near, rings, strict=True):
+        normal = mesh.vertex_normals[i]
+        axes = np.linalg.svd(normal[None])[2]
+        gap = mesh.vertices[ring] - mesh.vertices[i]
+        x, y, z = gap @ axes[1], gap @ axes[2], gap @ normal
+        rows = np.stack([x**2 / 2, x * y, y**2 / 2, x, y, np.ones_like(x)], axis=1)
+        a, b, c = np.linalg.lstsq(rows, z, rcond=None)[0][:3]
+        turn = 0.5 * np.arctan2(2 * b, a - c)
+        first = np.cos(turn) * axes[1] + np.sin(turn) * axes[2]
+        both = np.abs([first @ exact[len(out)], np.cross(normal, first) @ exact[len(out)]])
+        out.append(np.degrees(np.arccos(np.clip(both.max(), -1, 1))))
+    return np.array(out)
+
+
 def test_directions_without_noise_and_with() -> None:
-    clean = direction_errors(2500, 0.0)
-    assert clean.mean() < 0.2  # the grid of the comparison
-    noisy = direction_errors(2500, 1e-4)
-    assert noisy.mean() < 3.0
+    """Mean and 99 % of the errors [deg] at 6000 vertices; the noise is a part of the size."""
+    clean = direction_errors(6000, 0.0)
+    assert clean.max() < 0.01
+    noisy = direction_errors(6000, 1e-4)
+    assert noisy.mean() < 1.5
+    assert np.percentile(noisy, 99) < 6
+    rough = direction_errors(6000, 1e-3)
+    assert rough.mean() < 4
+    assert np.percentile(rough, 99) < 15
+    assert ring_errors(6000, 1e-4).mean() > 8 * noisy.mean()
 
 
 def test_residual_measures_the_noise() -> None:

@@ -126,6 +126,10 @@ def plain(**change: object) -> SplineSurface:
         ({"trim": [[(0, 0), (2, 0), (0, 1)]]}, "leaves the surface at u = 2"),
         ({"trim": [[(0, 0), (1, 1), (1, 0), (0, 1)]]}, r"cross at u = 0\.5, v = 0\.5"),
         ({"trim": [[(0, 0), (1, 1)]]}, "2 corners"),
+        (
+            {"trim": [[(0, 0), (0.4, 0), (0, 0.4)], [(0.6, 0.6), (0.9, 0.6), (0.6, 0.9)]]},
+            "trim 1 is no hole: it lies outside of trim 0",
+        ),
     ],
 )
 def test_bad_input_is_named(change: dict[str, object], message: str) -> None:
