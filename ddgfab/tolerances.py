@@ -13,7 +13,7 @@ WELD_STEPS: Final = 2.5
 WELD_FINE: Final = 1e-7
 """Vertices nearer than this part of the size of a mesh are one, whatever the digits of its file."""
 
-WELD_COARSE: Final = 1e-5
+WELD_COARSE: Final = 3e-5
 """The digits of a file never make vertices one that are further apart than this part of its
 size."""
 

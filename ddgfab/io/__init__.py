@@ -18,7 +18,7 @@ from ddgfab.io.load import LIMIT_BYTES, load_bytes, suffix_of, unknown_format
 from ddgfab.io.obj import parse_obj, write_obj
 from ddgfab.io.off import parse_off, write_off
 from ddgfab.io.pairs import merge_pairs, paired_in_order
-from ddgfab.io.place import Up, flipped, local_origin, looks, upright
+from ddgfab.io.place import Up, flipped, local_origin, looks, rough_digits, upright
 from ddgfab.io.ply import parse_ply, write_ply
 from ddgfab.io.raw import RawMesh
 from ddgfab.io.repairs import repair
@@ -160,7 +160,7 @@ def read_mesh(
     finite = bool(len(points)) and bool((np.abs(points) <= COORDINATE_LIMIT).all())
     used = np.unique(raw.corners[(raw.corners >= 0) & (raw.corners < len(points))])
     origin = local_origin(points[used]) if finite else np.zeros(3)
-    placed = replace(raw, points=points - origin, step=raw.step * scale)
+    placed = replace(raw, points=points - origin, step=raw.step * scale, lost=raw.lost * scale)
     mesh, repaired, notes = repair(placed, merge)
     axes = unit_axes(repaired.axes, up)
     if origin.any():
@@ -168,6 +168,8 @@ def read_mesh(
             "the mesh lies far from the origin: ({:.12g}, {:.12g}, {:.12g}) was subtracted from "
             "its coordinates".format(*origin)
         )
+        rough = rough_digits(placed.lost, mesh)
+        notes += [rough] if rough else []
     if quads:
         mesh, left = merge_pairs(mesh)
         if left:

@@ -18,6 +18,9 @@ FOLDED = 1e-6
 CHUNK = 2_000_000
 """Pairs of a vertex and an edge that are compared at once."""
 
+COMPARED = 20
+"""Of the faces at an edge, so many are searched for one that is part of another."""
+
 PAIRS = 100_000_000
 """With more of them than this, they are not compared at all."""
 
@@ -40,6 +43,16 @@ def check_folded(raw: RawMesh, mesh: Mesh) -> None:
     if same.any():
         a, b = sorted(faces[np.flatnonzero(same)[0]].tolist())
         raise raw.fail(_on_one_another(raw, a, b), face=b)
+    pairs, count = np.unique(np.sort(faces, axis=1), axis=0, return_counts=True)
+    for a, b in pairs[count > 1].tolist():  # not flat, but with common corners only
+        if _part_of(mesh, a, b):
+            raise raw.fail(_on_one_another(raw, a, b), face=b)
+
+
+def _part_of(mesh: Mesh, a: int, b: int) -> bool:
+    """Whether all corners of one of two faces are corners of the other."""
+    one, other = ({*mesh.corners[slice(*mesh.face_start[i : i + 2])].tolist()} for i in (a, b))
+    return one <= other or other <= one
 
 
 def _inward(mesh: Mesh, ends: Floats, faces: Ints) -> Floats:
@@ -65,9 +78,13 @@ def overlapping(mesh: Mesh, corner: int, faces: Ints) -> str:
     order = np.argsort(angle, kind="stable")
     gap = np.diff(angle[order], append=angle[order[0]] + 2 * np.pi)
     alike = np.flatnonzero(gap < np.arccos(1 - FOLDED))
-    if not len(alike):
+    some = range(min(len(faces), COMPARED))
+    parts = [(i, j) for j in some for i in range(j) if _part_of(mesh, faces[i], faces[j])]
+    if not len(alike) and not parts:
         return ""
-    i, j = sorted((order[alike[0]], order[(alike[0] + 1) % len(order)]))
+    if len(alike):
+        parts = [(order[alike[0]], order[(alike[0] + 1) % len(order)])]
+    i, j = sorted(parts[0])
     return f"\nfaces {faces[i]} and {faces[j]} lie on one another: remove one of them"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
@@ -47,10 +47,10 @@ def parse_off(data: bytes, file: str) -> RawMesh:
     """
     text = decode(data, file)
     comments = comments_of(text, "#")
-    counts, values, at = _head(list(islice(token_rows(text), HEAD_ROWS)), file)
+    counts, values, at, rest = _head(list(islice(token_rows(text), HEAD_ROWS)), file)
 
     def body() -> Iterator[Row]:
-        return islice(token_rows(text), at, None)
+        return chain(rest, islice(token_rows(text), at, None))
 
     if _line_each(body(), counts):
         raw = _by_lines(body(), counts, file)
@@ -231,8 +231,11 @@ def _axes(rows: Iterator[Row], n_points: int) -> Floats | None:
     return axes if np.isfinite(axes).all() else None
 
 
-def _head(rows: list[Row], file: str) -> tuple[tuple[int, int], int, int]:
-    """Counts of vertices and faces, numbers a vertex has, and the row where the vertices begin."""
+def _head(rows: list[Row], file: str) -> tuple[tuple[int, int], int, int, list[Row]]:
+    """Counts of vertices and faces, numbers a vertex has, and the row where the vertices begin.
+
+    Vertices that begin in the line of the counts are the last that is returned.
+    """
     if not rows:
         raise MeshError("holds nothing but comments", file=file)
     line, parts = rows[0]
@@ -265,7 +268,8 @@ def _head(rows: list[Row], file: str) -> tuple[tuple[int, int], int, int]:
     for count, what in zip(counts, ("vertices", "faces"), strict=True):
         check_count(count, what, file, line)
     values = 3 + (3 if found[3] else 0) + (4 if found[2] else 0) + (2 if found[1] else 0)
-    return (counts[0], counts[1]), values, at
+    left = [(line, rest[3:])] if len(rest) >= 6 else []
+    return (counts[0], counts[1]), values, at, left
 
 
 def _from_one(raw: RawMesh) -> RawMesh:

@@ -11,8 +11,11 @@ from ddgfab.mesh import Floats, Mesh, extent
 
 Up = Literal["z", "y", "x", "-z", "-y", "-x"]
 
-FAR: Final = 1000.0
+FAR: Final = 50.0
 """Coordinates further from the origin than so many sizes of the mesh get a local origin."""
+
+ROUGH: Final = 1e-4
+"""Far from the origin, a last digit above this part of the median edge is told."""
 
 LEANS: Final = 0.5
 """A mesh looks some way when its vector areas add up to more than this part of its area."""
@@ -56,6 +59,23 @@ def local_origin(points: Floats) -> Floats:
         return np.zeros(3)
     grid = 10.0 ** np.floor(np.log10(size))
     return np.asarray(np.floor(low / grid) * grid)
+
+
+def rough_digits(step: float, mesh: Mesh) -> str:
+    """The remark on a file far from the origin whose numbers are too short for its place.
+
+    Parameters
+    ----------
+    step : to what its coordinates are rounded, in the unit of the mesh
+    """
+    median = float(np.median(mesh.edge_lengths))
+    if step <= ROUGH * median:
+        return ""
+    return (
+        f"so far from the origin its numbers are rounded to {step:.3g}, "
+        f"{100 * step / median:.2g} % of the median edge: what was lost does not come "
+        "back; export it with more digits, or about an origin on the site"
+    )
 
 
 def flipped(mesh: Mesh) -> Mesh:

@@ -118,6 +118,7 @@ def parse_ply(data: bytes, file: str) -> RawMesh:
         stated_unit("\n".join(header.comments)),
         table[:, 3:].copy() if len(names) == 6 else None,
         stated_digest("\n".join(header.comments)),
+        lost=body.lost or step,
     )
 
 

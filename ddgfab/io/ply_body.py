@@ -41,7 +41,7 @@ class TextBody:
         self._rows = numbered(decode(data, file, header_lines))
         self._above = header_lines
         self._last: int | None = None
-        self._step = 0.0
+        self._step = self.lost = 0.0
 
     def _take(self, element: Element) -> Iterator[tuple[int, list[str]]]:
         for found in range(element.count):
@@ -79,7 +79,7 @@ class TextBody:
             table.extend([number(values[name][0], self._file, line) for name in names])
             digits.look([values[name][0] for name in names[:3]])
             lines.append(line)
-        self._step = digits.step
+        self._step, self.lost = digits.step, digits.lost
         columns = np.array(table, dtype=np.float64).reshape(-1, len(names))
         return [columns[:, i] for i in range(len(names))], np.array(lines, dtype=np.int64)
 
@@ -109,6 +109,8 @@ class TextBody:
 
 class BinaryBody:
     """Elements packed without padding."""
+
+    lost = 0.0  # no more than the step says
 
     def __init__(self, data: bytes, file: str, order: str) -> None:
         self._data = data

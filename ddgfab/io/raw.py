@@ -18,6 +18,9 @@ LIMIT_ELEMENTS = 500_000
 CORNERS = 4
 """All faces together may have so many times as many corners."""
 
+SMALL = 1e-2
+"""Numbers below this part of the largest show how many digits a writer gives to small ones."""
+
 SAMPLE = 4000
 """Coordinates looked at for the digits of a text file; even a file of few digits shows them."""
 
@@ -38,6 +41,7 @@ class RawMesh:
     units : unit that the file states (a key of `units.FACTORS`), None where it states none
     axes : (V, 3) node axes that the file carries, zero where a point has none; None without
     axes_of : digest of the geometry that the file says they belong to (`header.geometry_digest`)
+    lost : what rounding took from its largest numbers; `step` where nothing tells that it was less
     """
 
     file: str
@@ -51,6 +55,7 @@ class RawMesh:
     units: str | None = None
     axes: Floats | None = None
     axes_of: str | None = None
+    lost: float = 0.0
 
     def fail(self, reason: str, *, point: int | None = None, face: int | None = None) -> MeshError:
         """The error to raise, with the line of the point or face it is about."""
@@ -85,6 +90,7 @@ class RawMesh:
             units,
             axes,
             axes_of,
+            rows.digits.lost,
         )
 
 
@@ -129,6 +135,23 @@ class Digits:
     def step(self) -> float:
         """The place of the last digit (`decimal_step`)."""
         return decimal_step(token for row in self._rows for token in row)
+
+    @property
+    def lost(self) -> float:
+        """What rounding took from the largest numbers.
+
+        Where small numbers have fewer digits than large ones, writers kept a number of decimals,
+        and zeros at the end of large numbers are missing: then the finest decimal counts.
+        """
+        tokens = [token for row in self._rows for token in row]
+        size = [abs(number(token, "", 0)) for token in tokens]
+        large = max(size, default=0.0)
+        small = [t for t, s in zip(tokens, size, strict=True) if s < SMALL * large]
+        if not small or _digits(small) + 1 >= _digits(tokens):
+            return self.step
+        return float(
+            min(10.0 ** -len(t.lower().partition("e")[0].partition(".")[2]) for t in tokens)
+        )
 
 
 @dataclass
@@ -180,6 +203,12 @@ class Rows:
                 file=self.file,
                 line=line,
             )
+
+
+def _digits(tokens: Iterable[str]) -> int:
+    """The most digits of a number, without zeros before them."""
+    mantissas = (token.lower().partition("e")[0] for token in tokens)
+    return max(len("".join(c for c in m if c.isdecimal()).lstrip("0")) for m in mantissas)
 
 
 def decimal_step(tokens: Iterable[str]) -> float:

@@ -8,10 +8,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ddgfab.io.junctions import check_folded, check_junctions, overlapping
+from ddgfab.io.near import near_pairs
 from ddgfab.io.raw import RawMesh
-from ddgfab.io.weld import Welded, weld, without_neighbors, without_unused
+from ddgfab.io.weld import SETTINGS, Welded, weld, without_neighbors, without_unused
 from ddgfab.mesh import Ints, Mesh
-from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE
+from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE, WELD_STEPS
 
 
 def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, RawMesh, list[str]]:
@@ -61,10 +62,13 @@ def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, RawMesh, lis
     split = mesh.split_vertices
     if len(split):
         raise raw.fail(
-            f"vertex {split[0]} is not manifold: several sheets meet only there; separate them",
+            f"vertex {split[0]} is not manifold: several sheets meet only there; separate them"
+            f"{_unwelded(raw, welded.distance) if merge is None else ''}",
             point=int(split[0]),
         )
     notes += _describe(mesh)
+    if merge is None and mesh.components.max() > 0:
+        notes += filter(None, [_unwelded(raw, welded.distance).strip()])
     return mesh, raw, notes
 
 
@@ -76,6 +80,22 @@ def _some(ids: Ints, most: int = 6) -> str:
 
 def _count(number: int, one: str, many: str) -> str:
     return f"{number} {one if number == 1 else many}"
+
+
+def _unwelded(raw: RawMesh, distance: float) -> str:
+    """What may be wrong where the digits of a file leave more than was welded."""
+    digits = WELD_STEPS * raw.step
+    if digits <= distance:
+        return ""
+    pairs = near_pairs(raw.points, digits)
+    if not len(pairs):
+        return ""
+    a, b = np.sort(pairs[0]).tolist()
+    gap = float(np.linalg.norm(raw.points[a] - raw.points[b]))
+    return (
+        f"\nits numbers have few digits: vertices such as {a} and {b}, {gap:.3g} apart, may be "
+        f"one; weld what is nearer than {digits:.3g} ({SETTINGS})"
+    )
 
 
 def _weld_notes(raw: RawMesh, welded: Welded) -> list[str]:

@@ -88,7 +88,7 @@ def test_soup_of_a_cube_becomes_one_closed_mesh(tmp_path: Path) -> None:
     result = read_mesh(obj(tmp_path / "a.obj", points, faces))
     assert result.mesh.n_vertices == 8
     assert result.mesh.boundary_loops == ()
-    assert result.notes == ("merged 16 duplicated vertices nearer than 1.73e-05 to another",)
+    assert result.notes == ("merged 16 duplicated vertices nearer than 5.2e-05 to another",)
     apart = read_mesh(tmp_path / "a.obj", merge=0)
     assert apart.mesh.n_vertices == 24
     assert apart.notes == ("6 components, of 1 to 1 faces",)
