@@ -16,6 +16,7 @@ from ddgfab.optimize.forecast import forecast_of
 from ddgfab.optimize.frame import Frame, element_ids
 from ddgfab.optimize.goal import EXACT, NetGoal, net_problem, planarity_of, violation
 from ddgfab.optimize.limits import Limits, ids
+from ddgfab.optimize.nested import LEAST_FACES, NESTED, begun, nested_start, usable
 from ddgfab.optimize.panes import pane_wish
 from ddgfab.optimize.path import PathOptions, Waypoint, follow
 from ddgfab.optimize.problem import VERTICES, Problem, Term
@@ -139,7 +140,31 @@ def reach(
         if progress is not None:
             progress(stage, number, step)
 
-    chosen = replace(options or PathOptions(), tolerance=max(_AIM * tolerance, EXACT))
+    way = options or PathOptions()
+    alone = goal.crooked is None and not goal.still and problem.layout.names == (VERTICES,)
+    if alone and options is None and sharp is None and mesh.n_faces >= LEAST_FACES:
+
+        def pose(one: Mesh, inner: Frame, numbers: Ints) -> Problem:
+            held = np.flatnonzero(np.isin(numbers, constraints.fixed))
+            near = frame.inside(surface) if surface is not None else small
+            return net_problem(
+                one,
+                goal,
+                keep=keep,
+                constraints=Constraints(held, constraints.glide),
+                surface=inner.inside(near),
+                rim=inner.inside(small if rim is None else frame.inside(rim)),
+                movement=None
+                if allowed.movement is None
+                else allowed.movement / (frame.unit * inner.unit),
+            )
+
+        begin = nested_start(small, pose, tolerance, tell)
+        if begin is not None:
+            there = begun(problem, begin - small.vertices)
+            if usable(there, before):
+                problem, way = there, NESTED
+    chosen = replace(way, tolerance=max(_AIM * tolerance, EXACT))
     path = follow(problem, measure, chosen, tell)
     found = frame.outside(small.vertices, problem.vertices(path.value))
     again = path.value.copy()

@@ -37,6 +37,8 @@ class PathOptions:
     """Steps under one penalty."""
     longest_step: float = 0.5
     """No vertex moves further in a step."""
+    on_the_way: bool = False
+    """The start comes from elsewhere: it is walked from even where it meets the goal already."""
     max_steps: int = 120
     """Steps before giving up."""
     max_penalty: float = 1e13
@@ -224,7 +226,7 @@ def follow(
     walker = _Walker(problem, violation, chosen, progress)
     ends = [Waypoint(0.0, violation(walker.x), walker.x)]
     rho, status = chosen.first_penalty, "missed"
-    if ends[0].violation <= chosen.tolerance:
+    if ends[0].violation <= chosen.tolerance and not chosen.on_the_way:
         return Path(walker.x, "converged", (), tuple(ends))
     coarse = max(chosen.tolerance, _COARSE)
     while rho <= chosen.max_penalty and len(walker.history) < chosen.max_steps:

@@ -15,9 +15,10 @@ from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import PathOptions, mean_edge, optimize
 from ddgfab.optimize.frame import Frame
+from ddgfab.optimize.goal import net_problem
+from ddgfab.optimize.goal import violation as violation_of
 from ddgfab.optimize.goals import PLANAR
 from ddgfab.optimize.merit import Merit
-from ddgfab.optimize.nets import net_problem
 from ddgfab.optimize.path import follow
 from ddgfab.optimize.rim import rim_corners
 
@@ -53,7 +54,7 @@ def test_every_accepted_step_is_on_the_right_side_of_all_barriers() -> None:
     seen: list[bool] = []
 
     def violation(x: np.ndarray) -> float:
-        return PLANAR.violation(small, x)
+        return violation_of(problem, x)
 
     path = follow(problem, violation, PathOptions(tolerance=2e-3))
     seen = [merit.possible(end.x) for end in path.waypoints]

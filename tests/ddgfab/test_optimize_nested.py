@@ -1,0 +1,95 @@
+"""Coarser meshes to begin with: what is left out, and that results are as good."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from optimize_meshes import dome, hexagons, torus, wavy
+
+from ddgfab.measures import planarity_percent
+from ddgfab.mesh import Mesh
+from ddgfab.optimize import PathOptions, optimize
+from ddgfab.optimize import nets as reaching
+from ddgfab.optimize.coarse import coarsened
+from ddgfab.optimize.goals import PLANAR
+from ddgfab.optimize.limits import Limits
+
+
+def test_every_other_line_is_left_out() -> None:
+    mesh = dome(8)
+    coarse = coarsened(mesh)
+    assert coarse is not None
+    coarse.mesh.validate()
+    assert coarse.mesh.n_faces == mesh.n_faces // 4
+    np.testing.assert_array_equal(coarse.mesh.vertices, mesh.vertices[coarse.kept])
+    facing = coarse.mesh.face_normals @ mesh.face_normals.mean(axis=0)
+    assert facing.min() > 0
+    assert set(np.flatnonzero(mesh.valences == 2)) <= set(coarse.kept.tolist())
+    closed = coarsened(torus(12, 0.2))
+    assert closed is not None
+    assert not closed.mesh.boundary_edge.any()
+    assert closed.mesh.n_faces == 36
+
+
+def test_linear_values_are_prolonged_exactly_on_a_regular_grid() -> None:
+    mesh = dome(6)
+    flat = mesh.with_vertices(
+        np.stack(np.meshgrid(np.arange(7.0), np.arange(7.0), [0.0], indexing="ij"), -1).reshape(
+            -1, 3
+        )
+    )
+    coarse = coarsened(flat)
+    assert coarse is not None
+    turn = np.array([[1.0, 2, 3], [0, -1, 4], [2, 0, 1]])
+    found = coarse.prolonged(flat.vertices[coarse.kept] @ turn, flat.n_vertices)
+    np.testing.assert_allclose(found, flat.vertices @ turn, atol=1e-12)
+
+
+def test_meshes_that_do_not_fit_have_no_coarser_one() -> None:
+    assert coarsened(dome(7)) is None  # corners an odd number of edges apart
+    assert coarsened(hexagons(4)) is None
+    assert coarsened(torus(9, 0.1)) is None
+    one = dome(4)
+    pieces = Mesh.build(
+        np.concatenate([one.vertices, one.vertices + np.array([20.0, 0, 0])]),
+        [*one.faces, *(face + one.n_vertices for face in one.faces)],
+    )
+    both = coarsened(pieces)
+    assert both is not None
+    assert both.mesh.n_faces == 8
+
+
+def test_results_from_a_coarser_mesh_are_as_good(monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = dome(24)
+    plain = optimize(mesh)
+    monkeypatch.setattr(reaching, "LEAST_FACES", 100)
+    nested = optimize(mesh)
+    assert not np.array_equal(plain.mesh.vertices, nested.mesh.vertices)
+    assert planarity_percent(nested.mesh).max() <= 0.2
+    assert nested.change.distance_mean < 1.3 * plain.change.distance_mean + 0.01 * plain.change.edge
+    assert not len(nested.change.folded)
+
+
+def test_fixed_vertices_stay_and_options_of_a_path_are_kept(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(reaching, "LEAST_FACES", 100)
+    mesh = dome(12)
+    fixed = [0, 5, 84]
+    result = optimize(mesh, fixed=fixed)
+    assert np.array_equal(result.mesh.vertices[fixed], mesh.vertices[fixed])
+    own = PathOptions(tolerance=2e-3)
+    found = reaching.reach(mesh, PLANAR, options=own).result
+    monkeypatch.undo()
+    same = reaching.reach(mesh, PLANAR, options=own).result
+    np.testing.assert_array_equal(found.mesh.vertices, same.mesh.vertices)
+
+
+def test_noise_falls_back_to_the_mesh_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The movement of a noisy coarse mesh would fold the fine one."""
+    mesh = wavy(16, 0.06)
+    anything = Limits(distance_mean=1.0, distance_max=3.0, rise=0.0, zigzag=np.pi)
+    monkeypatch.setattr(reaching, "LEAST_FACES", 100)
+    result = reaching.reach(mesh, PLANAR, limits=anything).result
+    assert planarity_percent(result.mesh).max() <= 0.2
+    assert not len(result.change.folded)
