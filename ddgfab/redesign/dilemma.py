@@ -248,9 +248,9 @@ def dilemma(
         The net is far from the wish, and `optimize` does not reach it either.
     """
     if wish not in get_args(Wish):
-        raise InputError(f'wish "{wish}" is unknown; one of {", ".join(get_args(Wish))}')
+        raise InputError(f'goal "{wish}" is unknown; one of {", ".join(get_args(Wish))}')
     if plan and wish != "planar":
-        raise InputError('heights only make faces planar, not principal: choose wish "planar"')
+        raise InputError('heights only make faces planar, not principal: choose goal "planar"')
     if surface is not None:
         _check_drawn(mesh, surface)
     before = alignment(mesh, surface)

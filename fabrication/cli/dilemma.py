@@ -37,7 +37,9 @@ def dilemma_command(
     ] = Path("moved.obj"),
     wish: Annotated[
         str,
-        typer.Option(help="principal (planar faces, straight node axes) or planar (faces only)."),
+        typer.Option(
+            "--goal", help="principal (planar faces, straight node axes) or planar (faces only)."
+        ),
     ] = "principal",
     keep: Annotated[
         float | None,
@@ -50,7 +52,7 @@ def dilemma_command(
         bool, typer.Option("--nearest", help="The nearest surface, whatever is left.")
     ] = False,
     plan: Annotated[
-        bool, typer.Option("--plan", help="Move heights only (with --wish planar).")
+        bool, typer.Option("--plan", help="Move heights only (with --goal planar).")
     ] = False,
     surface: Annotated[
         str | None,

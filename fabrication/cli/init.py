@@ -83,20 +83,15 @@ def _is_linkage(source: str) -> bool:
 
 def _gridshell(source: str | None, sections: Sections) -> Project:
     """The project of `ddgfab make` with this source."""
-    from ddgfab.errors import InputError, clipped
-    from ddgfab.forms.registry import kinds
-    from ddgfab.suggest import suggestion
+    from ddgfab.io.load import suffix_of, unknown_format
     from fabrication.gridshell.design import find_project
-    from fabrication.gridshell.load import make_project
+    from fabrication.surfaces_in.find import CAD_SUFFIXES, MESH_SUFFIXES
 
-    if source is None or Path(source).suffix:
-        return find_project(source, sections)
-    if source not in kinds():
-        raise InputError(
-            f'"{clipped(source)}" is neither a kind of net nor a file; '
-            f"{suggestion(source, kinds())}"
-        )
-    return make_project({**sections, "net": {"kind": source, **sections.get("net", {})}})
+    known = (".toml", *CAD_SUFFIXES, *MESH_SUFFIXES, ".json")
+    path = None if source is None else Path(source)
+    if path is not None and path.suffix and suffix_of(path) not in known:
+        raise unknown_format(path, known)
+    return find_project(source, sections)
 
 
 def _kit(source: str | None, sections: Sections) -> KitProject:

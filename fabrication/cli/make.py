@@ -37,7 +37,8 @@ def make_command(
     source: Annotated[
         Path | None,
         typer.Argument(
-            help="Project (TOML), mesh (OBJ, OFF, PLY), surface (STEP, IGES); none: an example."
+            help="Project (TOML), mesh (OBJ, OFF, PLY), surface (STEP, IGES) or kind of net; none: "
+            "an example."
         ),
     ] = None,
     output: Output = None,

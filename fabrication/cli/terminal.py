@@ -24,6 +24,7 @@ DONE, FAILED, BAD_INPUT, FAULT, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 130, 143
 by Ctrl-C; ended by SIGTERM."""
 
 _REASON: Final = re.compile(r"Invalid value for '?(?P<what>[^']*?)'?: Input should be (?P<how>.*)")
+_EXTRA: Final = re.compile(r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)", re.DOTALL)
 _PARSING: Final = re.compile(r", unable to parse string as an? \w+$")
 
 
@@ -207,7 +208,11 @@ class Program(TyperGroup):
 
 def _usage_text(error: typer.TyperException) -> str:
     """What is wrong with the arguments, and where they are explained."""
+    from ddgfab.errors import clipped
+
     message = error.format_message().rstrip(".")
+    if found := _EXTRA.fullmatch(message):
+        message = f"there is no place for {clipped(found[1])}; what is written is named by -o"
     if found := _REASON.fullmatch(message):
         message = f"{found['what']} must be {_PARSING.sub('', found['how'])}"
     context = getattr(error, "ctx", None)

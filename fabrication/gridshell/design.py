@@ -13,20 +13,21 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 import numpy as np
 
 from ddgfab.arguments import instead
-from ddgfab.errors import InputError
+from ddgfab.errors import InputError, clipped
 from ddgfab.forms.generators import GENERATORS
-from ddgfab.forms.registry import find_generator, generate
+from ddgfab.forms.registry import find_generator, generate, kinds
 from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, unlikely_size
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
+from ddgfab.suggest import suggestion
 from ddgfab.support import SupportKind, SupportStructure
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.trace.reference import reference_mesh
 from fabrication.families import families
 from fabrication.gridshell.axes import node_axes, notes_on_axes
 from fabrication.gridshell.detailing.gridshell import Gridshell, detail
-from fabrication.gridshell.load import load_project, project_for_mesh
+from fabrication.gridshell.load import load_project, make_project, project_for_mesh
 from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.plausible import unlikely
 from fabrication.gridshell.project import MESH, SURFACE, Project
@@ -191,9 +192,23 @@ def design(
 
 
 def find_project(source: str | Path | None, sections: Mapping[str, Mapping[str, Any]]) -> Project:
-    """The project of a TOML or mesh file, or the built-in one, with `sections` changed."""
+    """The project of a TOML or mesh file, a kind of net, or the built-in one; `sections` changed.
+
+    Raises
+    ------
+    InputError
+        A name that is neither a file's nor a kind's; names the nearest kind.
+    """
     if source is None:
         return load_project(EXAMPLE, sections)
+    if not Path(source).suffix:
+        name = str(source)
+        if name not in kinds():
+            raise InputError(
+                f'"{clipped(name)}" is neither a kind of net nor a file; '
+                f"{suggestion(name, kinds())}"
+            )
+        return make_project({**sections, "net": {"kind": name, **sections.get("net", {})}})
     if Path(source).suffix.lower() == ".toml":
         return load_project(source, sections)
     return project_for_mesh(source, sections)

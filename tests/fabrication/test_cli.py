@@ -133,6 +133,24 @@ def test_what_a_setting_changes_is_not_blamed_on_the_file(roof: Path) -> None:
     assert "roof.toml" not in said
 
 
+def test_a_kind_of_net_is_a_source_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    small = ["--set", "net.panels_along=4", "--set", "net.panels_across=3", "--dry-run"]
+    result = ddgfab("make", "conical", *small)
+    assert result.exit_code == 0, result.output
+    assert "Panels: 12 of " in result.output
+    assert "outputs/conical" in result.output
+    assert "did you mean conical?" in ddgfab("make", "conicl").output
+
+
+def test_an_argument_too_many_says_how_outputs_are_named(roof: Path) -> None:
+    for words in (["make", roof, "out"], ["optimize", roof, "out.obj"], ["linkage", "cube", "out"]):
+        result = ddgfab(*words)
+        assert result.exit_code == 2
+        assert "there is no place for out" in result.output
+        assert "named by -o" in result.output
+
+
 def test_a_truncated_mesh(roof: Path, tmp_path: Path) -> None:
     text = roof.read_text()
     (tmp_path / "cut.obj").write_text(text[: text.index("\nf ") + 5])

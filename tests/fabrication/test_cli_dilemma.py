@@ -56,7 +56,7 @@ def test_mesh_report_and_picture(drawn: Path, tmp_path: Path) -> None:
 def test_what_is_refused_is_said(drawn: Path, tmp_path: Path) -> None:
     target = tmp_path / "moved.obj"
     for arguments, message in (
-        (("--wish", "conical"), 'wish "conical" is unknown'),
+        (("--goal", "conical"), 'goal "conical" is unknown'),
         (("--keep", "-1"), "keep -1: a part of the anisotropy"),
         (("--surface", "dome"), "lies"),
     ):

@@ -182,7 +182,8 @@ def test_it_replaces_nothing_unasked() -> None:
         (["canopy", "-o", "roof.txt"], "a project file ends in .toml"),
         (["canopy", "-o", "none/roof.toml"], "cannot be written"),
         (["canopy", "--set", "panel.gap=3"], "did you mean gap_mm"),
-        (["missing.toml"], "cannot be read"),
+        (["missing.toml"], "missing.toml: "),
+        (["roof.txt"], ".txt is not read"),
     ],
 )
 def test_mistakes(words: list[str], message: str, tmp_path: Path) -> None:
