@@ -82,7 +82,7 @@ def test_a_mounted_folder_and_the_same_folder_elsewhere_are_one(
     assert cases.text_of(target) == "new"
 
 
-@pytest.mark.parametrize("process", [os.getpid(), 1, 999_999_999])
+@pytest.mark.parametrize("process", [os.getpid(), 1, 999_999_999], ids=["own", "first", "free"])
 def test_what_a_killed_job_left_is_cleared_whoever_has_its_number_now(
     tmp_path: Path, process: int
 ) -> None:
