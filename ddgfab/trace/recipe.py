@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from numpy.typing import ArrayLike
 
 from ddgfab.arguments import checked
-from ddgfab.errors import InputError
+from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.mesh import Mesh
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.trace.field import ConjugateField, Field, PrincipalField, plane_sections, turned
 from ddgfab.trace.mesh import TracedMesh, network_mesh
 from ddgfab.trace.placing import Network, place
 from ddgfab.trace.report import Quality, quality
+
+_NEARLY: Final = (1.0, 1.02, 0.98, 1.05, 0.95)
+"""Where lines touch or make no cells, as noise near the rim makes them, spacings as near as these
+parts of the wished one are tried."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +48,8 @@ def trace(
 
     Parameters
     ----------
-    spacing : wished distance of neighboring lines, of both families or of each
+    spacing : wished distance of neighboring lines, of both families or of each; up to 5 % more or
+        less is tried where no cells come of it (`network.spacing` says what it became)
     along : normal (3,) of parallel planes: one family is the sections with them, the other
         conjugate to it
     turn : angle [rad] from the principal directions to one family, the other is conjugate to it
@@ -65,6 +71,13 @@ def trace(
     elif turn is not None:
         field = ConjugateField(surface, turned(turn))
     one, two = spacing if isinstance(spacing, tuple) else (spacing, spacing)
-    network = place(field, (float(one), float(two)), through)
-    found = network_mesh(network)
+    for factor in _NEARLY:
+        network = place(field, (factor * float(one), factor * float(two)), through)
+        try:
+            found = network_mesh(network)
+        except (DegenerateError, MeshError):
+            if factor == _NEARLY[-1]:
+                raise
+        else:
+            break
     return Traced(network, found, quality(network, found))
