@@ -121,7 +121,7 @@ def carry(
         if name != wanted and os.path.lexists(new / name):
             notes.append(note_of(other, name))
     for source, copy in reversed(folders):
-        with suppress(OSError):
+        with suppress(OSError, AttributeError):
             shutil.copystat(source, copy)
             owner = source.stat()
             os.chown(copy, owner.st_uid, owner.st_gid)

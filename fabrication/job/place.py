@@ -134,7 +134,7 @@ def _swap(new: Path, target: Path, work: Path) -> list[str]:
             return []
     others = Others(listed(target))
     notes = carry(target, new, others, link)
-    with suppress(OSError):
+    with suppress(OSError, AttributeError):
         shutil.copystat(target, new)
         owner = target.stat()
         os.chown(new, owner.st_uid, owner.st_gid)

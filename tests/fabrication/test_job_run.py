@@ -170,7 +170,8 @@ def test_a_foreign_folder_is_not_replaced(small_design: Design, tmp_path: Path) 
 def test_our_folder_is_replaced_whole(small_design: Design, tmp_path: Path) -> None:
     first = make(small_design, tmp_path / "out")
     assert (first.folder / "model.glb").exists()
-    plain = make(design(barrel(), output={"formats": ["csv"]}), tmp_path / "out")
+    again = design(barrel(), project={"name": "barrel"}, output={"formats": ["csv"]})
+    plain = make(again, tmp_path / "out")
     assert sorted(p.name for p in plain.folder.rglob("*.csv")) == [
         "beams.csv",
         "nodes.csv",
