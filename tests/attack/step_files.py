@@ -25,8 +25,8 @@ from fabrication.formats.report import inspect_file  # noqa: E402
 from fabrication.formats.step.apart import limits  # noqa: E402
 
 SEGV = HERE.parent / "shared" / "data" / "cases" / "segv.step"
-SLACK = 25.0
-"""Seconds by the clock beyond the limit on computing: start of a process, other work."""
+SLACK = 60.0
+"""Seconds by the clock, and ten times the limit on computing: other work may run meanwhile."""
 
 
 def sound_files() -> dict[str, bytes]:
@@ -73,7 +73,7 @@ def attack(begin: int, count: int, folder: Path, *, trace: bool = False) -> Coun
                 raise
             outcomes[f"FOREIGN {type(error).__name__} at seed {seed}"] += 1
         taken = time.perf_counter() - clock
-        if taken > limits(len(data))[0] + SLACK:
+        if taken > 10.0 * limits(len(data))[0] + SLACK:
             outcomes[f"SLOW {taken:.1f} s at seed {seed}"] += 1
     return outcomes
 
