@@ -197,6 +197,8 @@ def covered(bodies: Sequence[Body]) -> float:
     """
     import manifold3d
 
+    if not bodies:
+        return 0.0
     volumes = np.array([body.volume for body in bodies])
     order = np.argsort(-np.abs(volumes), kind="stable")
     whole = manifold3d.Manifold()

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ddgfab.errors import KernelError
 from ddgfab.mesh import Floats, Ints
 from fabrication.checks.boxes import box_pairs, box_pairs_between
 from fabrication.checks.crossing import crossings
@@ -182,9 +183,15 @@ def examine_shells(mesh: TriangleMesh, tolerance: float) -> Shells | int:
     if own.any():
         problems.append(f"triangles go through each other at {int(own.sum())} places")
     bodies = [Body(part, volume) for part, volume in zip(parts, volumes, strict=True)]
+    wild = _wild(bodies)
+    if wild:
+        named = ", ".join(str(k + 1) for k in sorted(wild)[:3])
+        problems.append(f"shell {named}: sheets run together along edges and bound no body")
     near = _contacts(split, label, tolerance)
     inside, shared, touching = defaultdict(list), {}, []
     for a, b in near.tolist():
+        if a in wild or b in wild:
+            continue
         apart = plane_distance(bodies[a], bodies[b])
         if apart >= -tolerance:
             touching += [(a, b)] if apart <= tolerance else []
@@ -220,8 +227,19 @@ def examine_shells(mesh: TriangleMesh, tolerance: float) -> Shells | int:
             )
     total = float(volumes.sum())
     if len(volumes) > 1 and problems:
-        total = covered(bodies)
+        total = covered([body for k, body in enumerate(bodies) if k not in wild])
     return Shells(split, volumes, tuple(touching), tuple(problems), total)
+
+
+def _wild(bodies: list[Body]) -> set[int]:
+    """Places of the bodies that manifold3d does not take: an edge comes twice in one umbrella."""
+    found = set()
+    for place, body in enumerate(bodies):
+        try:
+            body.manifold  # noqa: B018 - made here, or refused
+        except KernelError:
+            found.add(place)
+    return found
 
 
 def signed_volume(mesh: TriangleMesh) -> float:

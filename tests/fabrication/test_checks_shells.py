@@ -144,6 +144,20 @@ def test_a_sheet_that_goes_through_itself_is_found() -> None:
     assert any("go through each other" in text for text in found.problems)
 
 
+def test_sheets_that_bound_nothing_are_a_problem_and_no_error() -> None:
+    triangle = np.array([[[0.0, 0, 0], [9, 0, 0], [0, 9, 0]]])
+    both = np.concatenate([triangle, triangle[:, ::-1]])
+    found = examine_shells(weld(both), 1e-6)
+    assert isinstance(found, Shells)
+    assert found.problems
+    rng = np.random.default_rng(4)
+    for _ in range(300):
+        corners = rng.integers(0, 3, (int(rng.integers(3, 8)), 3)).astype(float)
+        soup_ = corners[rng.integers(0, len(corners), (int(rng.integers(1, 40)), 3))]
+        found = examine_shells(weld(np.concatenate([soup_, soup_[:, ::-1]])), 1e-6)
+        assert isinstance(found, int) or found.problems  # every sheet has two sides: no volume
+
+
 def test_box_pairs_are_those_that_meet() -> None:
     rng = np.random.default_rng(0)
     for count in (0, 1, 5, 300, 700):
