@@ -66,6 +66,7 @@ ROOMS = [
     "families",
     "checks",
     "formats",
+    "meshes_in",
     "surfaces_in",
     "project",
     "table",

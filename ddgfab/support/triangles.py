@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ddgfab.arguments import checked
 from ddgfab.errors import SupportError
+from ddgfab.io.pairs import paired_in_order
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.support.structure import SupportStructure
@@ -68,11 +69,14 @@ def refuse_triangles(mesh: Mesh) -> SupportError:
     """The error that says Prop. 5.2, with the torsion of the vertex normals and the way out."""
     angles = np.degrees(torsion(mesh, mesh.vertex_normals))
     worst = int(angles.argmax())
+    quads = "use a quad mesh"
+    if paired_in_order(mesh):
+        quads = "take the quads that its triangles were cut from, [net] quads = true (--quads)"
     return SupportError(
         "a triangle mesh has no torsion-free node axes but those through one centre (Prop. 5.2)\n"
         f"its vertex normals have torsion {angles[worst]:.2f} deg at edge {worst} "
         f"(mean {angles.mean():.2f} deg)\n"
-        'take the central structure with [support] kind = "central", or use a quad mesh'
+        f'take the central structure with [support] kind = "central", or {quads}'
     )
 
 

@@ -8,8 +8,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from ddgfab.io.pairs import paired_in_order
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.pieces import Panel
+from fabrication.gridshell.project import MESH
 from fabrication.job.problems import Problem
 from fabrication.solids.polygon import least_rectangle
 
@@ -24,7 +26,8 @@ def remedies(design: Design, problems: Sequence[Problem]) -> list[tuple[str, str
 
     A net that is not planar, or whose node axes lean, is optimized: torsion-free where the axes are
     at fault, as no change of the faces alone rights them. Where that was done already, or is not
-    possible, and for all other limits, the limit that the net keeps is named.
+    possible, and for all other limits, the limit that the net keeps is named. Triangles that are
+    quads cut in two become quads again: axes of triangle meshes twist.
     """
     worst = {problem.check: problem.parts[0][1] for problem in problems}
     goal = design.project.optimize.goal
@@ -32,6 +35,8 @@ def remedies(design: Design, problems: Sequence[Problem]) -> list[tuple[str, str
     panes = [] if "size_mm" not in worst else [_sides(p) for p in design.gridshell.panels]
     if panes and max(long for _, long in panes) > LARGEST_PANE_MM:
         return [_unit(design)]
+    if "torsion_deg" in worst and design.project.net.kind == MESH and paired_in_order(design.mesh):
+        return [("net", "quads", True)]  # clashes grow with the torsion; quads can do without it
     quads = bool((design.mesh.face_sizes == _QUAD).all())
     straight = design.support.kind != "normals"  # those of asymptotic nets twist by their nature
     axes = bool({"lean_deg", "torsion_deg"} & worst.keys()) and straight
