@@ -7,11 +7,10 @@ from ddgfab.optimize.change import Change
 from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.families_goal import FamiliesResult, families
 from ddgfab.optimize.forecast import forecast_text
-from ddgfab.optimize.gauss_newton import Solution, SolveOptions, polish, solve
 from ddgfab.optimize.goal import NetGoal, Wishes
 from ddgfab.optimize.goals import Goal, expected, optimize
 from ddgfab.optimize.limits import Limits
-from ddgfab.optimize.path import PathOptions
+from ddgfab.optimize.path import Path, PathOptions, follow, settle
 from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
 from ddgfab.optimize.quality import Quality, folded_faces, roughness
 from ddgfab.optimize.result import Forecast, OptimizeResult, Price, Step, Trial
@@ -29,12 +28,11 @@ __all__ = [
     "Limits",
     "NetGoal",
     "OptimizeResult",
+    "Path",
     "PathOptions",
     "Price",
     "Problem",
     "Quality",
-    "Solution",
-    "SolveOptions",
     "Step",
     "Term",
     "TorsionFreeResult",
@@ -43,11 +41,11 @@ __all__ = [
     "expected",
     "families",
     "folded_faces",
+    "follow",
     "forecast_text",
     "interior_angles",
     "mean_edge",
     "optimize",
-    "polish",
     "roughness",
-    "solve",
+    "settle",
 ]

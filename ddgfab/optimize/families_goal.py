@@ -17,17 +17,21 @@ Source: Fu, Lai, He, Cohen-Or 2010, K-set tilable surfaces (idea); Geman, McClur
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, get_args
+from dataclasses import dataclass, fields
+from functools import cached_property, partial
+from typing import Any, TypeAlias, get_args
 
 import numpy as np
 
 from ddgfab.arguments import checked
-from ddgfab.errors import DegenerateError, InputError, OptimizeError
+from ddgfab.errors import InputError, OptimizeError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Ints, Mesh, unit
-from ddgfab.optimize.gauss_newton import SolveOptions, polish, solve
-from ddgfab.optimize.problem import Problem, Term, mean_edge
+from ddgfab.optimize.energy import Keep, Weights
+from ddgfab.optimize.frame import Frame, element_ids
+from ddgfab.optimize.goal import NetGoal, Wishes, net_problem
+from ddgfab.optimize.path import PathOptions, settle
+from ddgfab.optimize.problem import VERTICES, Layout, Problem, Term, mean_edge
 from ddgfab.optimize.quality import folded_faces
 from ddgfab.optimize.repetition import (
     Clusters,
@@ -38,10 +42,9 @@ from ddgfab.optimize.repetition import (
     pieces,
 )
 from ddgfab.optimize.result import OptimizeResult, Step
-from ddgfab.optimize.terms import closeness, planarity_terms
+from ddgfab.optimize.rim import Boundary, Constraints
+from ddgfab.optimize.terms import planarity_terms
 from ddgfab.optimize.terms.base import LocalTerm
-from ddgfab.optimize.torsion_problem import boundary_terms, smooth_change
-from ddgfab.optimize.torsion_terms import Power
 from ddgfab.tolerances import NET_PLANAR_PERCENT
 
 
@@ -55,12 +58,9 @@ class FamiliesOptions:
     """Rounds of clustering and moving for each number of clusters."""
     steps: int = 3
     """Gauss-Newton steps in a round."""
-    fairness: float = 1e-4
-    """Weight of the smoothness of the movement."""
-    closeness: float = 1e-5
-    """Weight of the movement itself."""
-    aim: float = 0.8
-    """The soft limit of the movement is this part of the limit."""
+    design: float = 1e-3
+    """Part of their weights that the wishes of the design (`ddgfab.optimize.energy`) have at first;
+    it sinks from round to round."""
     sharpest: float = 0.3
     """Pieces this part of the tolerance from their cluster's shape weigh half, in the end."""
 
@@ -116,7 +116,9 @@ def families(
     fit_tolerance: float | None = None,
     max_movement: float | None = None,
     fixed: Sequence[int] | Ints = (),
-    boundary: str = "free",
+    keep: Keep | float = "balanced",
+    boundary: Boundary = "free",
+    surface: Mesh | None = None,
     features: Sequence[int] | Ints | None = None,
     options: FamiliesOptions | None = None,
     throw: bool = True,
@@ -136,7 +138,7 @@ def families(
     fit_tolerance : what counts as equal, in the unit of the mesh (see `family_labels`); by default
         a thousandth of the mean edge
     max_movement : greatest movement of a vertex, in the unit of the mesh; a tenth of the mean edge
-    fixed, boundary, features, progress : as in `torsion_free`
+    keep, fixed, boundary, surface, features, progress : as in `ddgfab.optimize.optimize`
     throw : raise when no mesh has fewer families; otherwise the input comes back, status "missed"
 
     Returns
@@ -159,12 +161,19 @@ def families(
         if not value > 0:
             raise InputError(f"{name} = {value:g}: more than zero is needed")
     chosen = options or FamiliesOptions()
-    centre = mesh.vertices[mesh.corners].mean(axis=0)
-    small = mesh.with_vertices((mesh.vertices - centre) / edge)
-    glide, held = boundary_terms(small, fixed, boundary)
-    planar = np.flatnonzero(planarity_percent(mesh) <= NET_PLANAR_PERCENT)
-    flat = planarity_terms(small, planar)
-    task = _Task(small, of, tolerance / edge, limit / edge, (*flat, *glide), held, features, chosen)
+    frame = Frame.of(mesh)
+    small = frame.inside(mesh)
+    task = _Task(
+        small,
+        of,
+        tolerance / edge,
+        limit / edge,
+        keep,
+        Constraints.of(small, fixed, boundary),
+        None if features is None else element_ids(features, mesh.n_edges, "feature edge"),
+        None if surface is None else frame.inside(surface),
+        chosen,
+    )
     before = family_labels(small, of, task.tolerance)
     best, labels, history = small, before, list[tuple[str, Step]]()
     groups = len(np.unique(before))
@@ -183,16 +192,15 @@ def families(
         now = family_labels(found, of, task.tolerance)
         if len(np.unique(now)) < len(np.unique(labels)):
             best, labels = found, now
-    points = best.vertices * edge + centre
-    points[held] = mesh.vertices[held]
     missed = best is small
     result = FamiliesResult(
         goal="families",
-        mesh=mesh if missed else mesh.with_vertices(points),
+        mesh=mesh if missed else frame.outside(small.vertices, best.vertices),
         original=mesh,
         status="missed" if missed else "converged",
         history=tuple(history),
         residual=task.residual(best.vertices.ravel()),
+        surface=surface,
         of=of,
         tolerance=tolerance,
         labels_before=before,
@@ -218,6 +226,10 @@ _EXACT = 1e-10
 """Residual of planarity and of gliding that a result may keep."""
 
 
+_Shapes: TypeAlias = tuple[Pieces, Clusters, Floats]
+"""Pieces of one kind, their clusters, and how far each is from what its cluster asks."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Task:
     """What to do on a mesh whose mean edge is one."""
@@ -226,14 +238,55 @@ class _Task:
     of: Piece
     tolerance: float
     limit: float
-    hard: tuple[Term, ...]
-    held: Ints
-    features: Sequence[int] | Ints | None
+    keep: Keep | float
+    constraints: Constraints
+    features: Ints | None
+    surface: Mesh | None
     options: FamiliesOptions
 
+    @cached_property
+    def equations(self) -> tuple[Term, ...]:
+        """Faces that are planar stay so."""
+        flat = np.flatnonzero(planarity_percent(self.mesh) <= NET_PLANAR_PERCENT)
+        return planarity_terms(self.mesh, flat)
+
+    def problem(
+        self, weights: Callable[[Weights], Weights], shapes: Sequence[_Shapes], width: float
+    ) -> Problem:
+        """The frame of all goals, with pieces near their shapes, which are unknown as well."""
+
+        def wishes(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Wishes:
+            return Wishes(
+                tuple(
+                    _shape_term(group, found, layout.block(f"shapes {k}").start, away, width)
+                    for k, (group, found, away) in enumerate(shapes)
+                )
+            )
+
+        goal = NetGoal(
+            "families",
+            lambda mesh, layout: self.equations,
+            0.0,
+            "Fu, Lai, He, Cohen-Or 2010",
+            weights=weights,
+            blocks=lambda mesh: {f"shapes {k}": s[1].shapes for k, s in enumerate(shapes)},
+            wishes=wishes,
+        )
+        return net_problem(
+            self.mesh,
+            goal,
+            keep=self.keep,
+            constraints=self.constraints,
+            surface=self.surface,
+            features=self.features,
+            movement=self.limit,
+        )
+
     def residual(self, x: Floats) -> float:
-        """Greatest residual of the hard terms."""
-        return max((float(np.abs(t.residual(x)).max(initial=0.0)) for t in self.hard), default=0.0)
+        """Greatest residual of the equations."""
+        return max(
+            (float(np.abs(t.residual(x)).max(initial=0.0)) for t in self.equations), default=0.0
+        )
 
 
 def _moved(task: _Task, count: int, tell: Callable[[int, Step], None]) -> Mesh | None:
@@ -251,58 +304,49 @@ def _moved(task: _Task, count: int, tell: Callable[[int, Step], None]) -> Mesh |
             )
             for group in groups
         ]
-        blocks = {f"shapes {k}": found.shapes for k, found in enumerate(clusters)}
-        problem = Problem.build(mesh.with_vertices(points), blocks=blocks, fixed=task.held)
         away = [
             np.abs(group.distances(points) - found.targets).max(axis=1)
             for group, found in zip(groups, clusters, strict=True)
         ]
         width = min(width, _WIDE * max(task.limit, *(float(far.max()) for far in away)))
-        shapes = [
-            _shape_term(group, found, problem.layout.block(name).start, far, width)
-            for group, found, name, far in zip(groups, clusters, blocks, away, strict=True)
-        ]
         done = 1 - left / options.rounds
-        loose = _LEAST_WISH ** min(1.0, 2 * done)
         if done > 1 / 2:  # until then all pieces count
             width = max(sharpest, width * (sharpest / width) ** (1 / max(left, 1)))
-        rough = SolveOptions(max_steps=options.steps, tolerance=_ROUGH)
-        step = problem.with_terms(*_wishes(task, loose), *shapes, *task.hard)
-        try:
-            points = problem.vertices(solve(step, rough, throw=False, progress=tell).value)
-        except DegenerateError:
-            return None
-    last = Problem.build(mesh.with_vertices(points), task.hard, fixed=task.held)
-    if task.hard:
-        points = last.vertices(polish(last, throw=False).value)
+        part = options.design * _LEAST_WISH ** min(1.0, 2 * done)
+        shapes = list(zip(groups, clusters, away, strict=True))
+        problem = task.problem(partial(_scaled, part=part), shapes, width)
+        start = problem.start.copy()
+        start[problem.layout.block(VERTICES)] = points.ravel()
+        rough = PathOptions(tolerance=_ROUGH if left else _EXACT, steps_per_stage=options.steps)
+        points = problem.vertices(settle(problem.with_start(start), _STIFF, rough, tell).value)
     found = mesh.with_vertices(points)
     movement = np.linalg.norm(points - mesh.vertices, axis=1)
     kept = movement.max() <= task.limit and task.residual(points.ravel()) <= _EXACT
     return found if kept and not len(folded_faces(found, mesh)) else None
 
 
-def _wishes(task: _Task, part: float) -> tuple[Term, ...]:
-    """Smooth and small movement, with part of their weights, within the limit."""
-    options, near = task.options, closeness(task.mesh)
-    return (
-        smooth_change(task.mesh, part * options.fairness, task.features),
-        replace(near, weight=part * options.closeness),
-        Power(term=near, width=3, limit=options.aim * task.limit, power=_HOLD_POWER, weight=_HOLD),
-    )
+def _scaled(weights: Weights, part: float) -> Weights:
+    """All weights times a part, but for a boundary that glides."""
+    scaled = {f.name: part * getattr(weights, f.name) for f in fields(weights)}
+    if weights.rim > _GLIDES:
+        scaled["rim"] = weights.rim
+    return Weights(**scaled)
 
 
 _LEAST_WISH = 1e-5
-"""Part of their weights that wishes about the movement keep to the end; less bias than rounding."""
+"""Part of their weights that the wishes of the design keep to the end; less bias than rounding."""
 
-_HOLD = 1e-3
-_HOLD_POWER = 8
-"""Weight and power of the limit of the movement: far below it, hardly any pull."""
+_GLIDES = 1e3
+"""Boundaries of more weight glide."""
+
+_STIFF = 1e4
+"""Penalty of the equations while pieces move."""
 
 _WIDE = 3.0
 """Pieces up to this many times the greatest distance from the shapes weigh much, at first."""
 
 _ROUGH = 1e-8
-"""Residual of the hard terms within a round."""
+"""Residual of the equations within a round."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

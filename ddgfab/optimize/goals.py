@@ -164,8 +164,10 @@ def optimize(
             raise InputError(f'max_pane is for goals {", ".join(GOALS)}, not for "{goal}"')
         result = OTHER_GOALS[goal](
             mesh,
+            keep=keep,
             fixed=fixed,
             boundary=boundary,
+            surface=surface,
             features=_features(mesh, feature_angle),
             max_movement=max_movement,
             throw=throw,

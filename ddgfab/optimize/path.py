@@ -16,11 +16,10 @@ from scipy.sparse import csr_array
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats
-from ddgfab.optimize.gauss_newton import Progress
 from ddgfab.optimize.linear import SymmetricSolver
 from ddgfab.optimize.merit import Merit, Model, damped
 from ddgfab.optimize.problem import Problem
-from ddgfab.optimize.result import Step
+from ddgfab.optimize.result import Progress, Step
 
 
 @dataclass(frozen=True)
@@ -248,6 +247,42 @@ def follow(
     return Path(value, status, tuple(walker.history), tuple(ends))
 
 
+def settle(
+    problem: Problem,
+    penalty: float,
+    options: PathOptions | None = None,
+    progress: Progress | None = None,
+) -> Path:
+    """Come to rest at one penalty, and meet the equations from there by shortest steps.
+
+    For wishes that matter more than the way: `follow` stops where its equations are met.
+
+    Parameters
+    ----------
+    penalty : weight of half the squared equations
+    options : at most `steps_per_stage` steps; equations are met within `tolerance`
+    progress : called with the number of each step and what it did
+
+    Returns
+    -------
+    Path; with status "missed" the value is where it came to rest
+    """
+
+    def violation(x: Floats) -> float:
+        return float(np.abs(walker.merit.equations(x)).max(initial=0.0))
+
+    walker = _Walker(problem, violation, options or PathOptions(), progress)
+    while len(walker.history) < walker.options.steps_per_stage:
+        fall, longest = walker.step(penalty)
+        if fall < _REST or longest == 0.0:
+            break
+    end = Waypoint(penalty, violation(walker.x), walker.x)
+    status = "converged" if walker.polish() else "missed"
+    return Path(walker.x, status, tuple(walker.history), (end,))
+
+
+_REST = 1e-6
+"""Part of the merit; steps that lower it by less are at rest."""
 _GIVE_UP = 1e6
 """Steps under a heavier damping are too short to be of use."""
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
@@ -27,6 +28,10 @@ class Step:
     """Greatest movement, of a vertex or of an element of another block of unknowns."""
     length: float
     """Part of the proposed step that was taken."""
+
+
+Progress: TypeAlias = Callable[[int, Step], None]
+"""Called with the number of each step and what it did."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from ddgfab.measures import (
     star_defect,
 )
 from ddgfab.mesh import Floats, Mesh
-from ddgfab.optimize import Problem, SolveOptions, Term, solve
+from ddgfab.optimize import PathOptions, Problem, Term, settle
 from ddgfab.optimize.terms import (
     boundary_glide,
     circularity_terms,
@@ -251,7 +251,7 @@ def test_fairness_bends_only_across_features() -> None:
 
 def solved(mesh: Mesh, *terms: Term, fixed: Sequence[int] = ()) -> Mesh:
     problem = Problem.build(mesh, [closeness(mesh, weight=1e-3), *terms], fixed=fixed)
-    found = solve(problem, SolveOptions(tolerance=1e-9), throw=False)
+    found = settle(problem, 1e3, PathOptions(tolerance=1e-9, steps_per_stage=60))
     return mesh.with_vertices(problem.vertices(found.value))
 
 
@@ -320,7 +320,7 @@ def test_vertices_slide_on_a_surface() -> None:
     )
     down = solved(mesh, on_surface(mesh, plane, hard=True))
     assert np.abs(down.vertices[:, 2]).max() < 1e-9
-    np.testing.assert_allclose(down.vertices[:, :2], mesh.vertices[:, :2], atol=1e-9)
+    np.testing.assert_allclose(down.vertices[:, :2], mesh.vertices[:, :2], atol=1e-7)
 
 
 def test_boundary_glides_along_itself_and_keeps_its_corners() -> None:

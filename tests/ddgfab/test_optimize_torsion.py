@@ -12,7 +12,6 @@ from ddgfab.measures import lean, torsion
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.optimize import Problem, Term
 from ddgfab.optimize.surface import SmoothSurface
-from ddgfab.optimize.terms import closeness
 from ddgfab.optimize.terms.axes import (
     AXES,
     AxisLean,
@@ -21,8 +20,6 @@ from ddgfab.optimize.terms.axes import (
     vertex_normals,
 )
 from ddgfab.optimize.terms.cover import covered
-from ddgfab.optimize.torsion_problem import smooth_change
-from ddgfab.optimize.torsion_terms import Power
 from ddgfab.optimize.within import Within, lean_within, movement_within
 from ddgfab.support import parallel_axes
 
@@ -65,8 +62,6 @@ def terms(mesh: Mesh) -> dict[str, Term]:
         "torsion": axis_torsion(mesh, layout),
         "length": unit_axes(mesh, layout),
         "lean": AxisLean(mesh=mesh, layout=layout),
-        "movement": Power(term=closeness(mesh), width=3, limit=0.5, power=2),
-        "smooth": smooth_change(mesh, 1.0),
     }
 
 
@@ -173,29 +168,3 @@ def test_a_surface_is_covered_by_its_mesh_and_not_by_a_part() -> None:
     assert np.abs(cover.at(half.ravel()).residual(half.ravel())).max() > 0.3
     error = cover.at(raised).jacobian(raised).toarray() - slope(cover.at(raised).residual, raised)
     assert np.abs(error).max() < 1e-7
-
-
-def test_hessian_of_a_limit_on_linear_residuals_is_exact() -> None:
-    """Where r is linear, `Power.hessian` is the second derivative of half the squares."""
-    mesh = hill(1, 2)
-    limit = Power(term=closeness(mesh), width=3, limit=0.4, power=3)
-    x = mesh.vertices.ravel() + np.random.default_rng(1).normal(size=3 * mesh.n_vertices)
-
-    def gradient(at: Floats) -> Floats:
-        return np.asarray(limit.jacobian(at).T @ limit.residual(at))
-
-    exact = slope(gradient, x)
-    assert np.abs(limit.hessian(x).toarray() - exact).max() < 1e-7 * np.abs(exact).max()
-
-
-def test_smooth_change_lets_linear_motions_pass() -> None:
-    """Shifts, and shears of the plan of a regular grid, bend nothing; mixing in z does."""
-    i, j = np.meshgrid(np.arange(5.0), np.arange(4.0), indexing="ij")
-    mesh = grid_mesh(np.stack([i, j, 0.1 * i**2], axis=-1))
-    change = smooth_change(mesh, 1.0)
-    for by in ([1.0, 0.2, 0.1], [0.3, 1.0, 0.0]), ([0.5, 0.0, 0.0], [0.0, 2.0, 1.0]):
-        moved = mesh.vertices @ np.array([*by, [0.0, 0.0, 1.0]]) + np.array([1.0, 2.0, 3.0])
-        assert np.abs(change.residual(moved.ravel())).max() < 1e-12
-    bent = mesh.vertices + 0.1 * mesh.vertices[:, [2, 1, 0]]
-    # x grows by 0.01 i^2: second differences of 0.02 over an edge of about 1
-    assert 0.01 < np.abs(change.residual(bent.ravel())).max() < 0.02
