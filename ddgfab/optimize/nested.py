@@ -12,11 +12,11 @@ import numpy as np
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.coarse import coarsened
 from ddgfab.optimize.frame import Frame
-from ddgfab.optimize.gauss_newton import Progress
 from ddgfab.optimize.goal import violation
 from ddgfab.optimize.merit import Merit
 from ddgfab.optimize.path import PathOptions, follow
 from ddgfab.optimize.problem import Problem
+from ddgfab.optimize.result import Progress
 
 LEAST_FACES: Final = 4000
 """From this number of faces on a path begins at the end of that of a coarser mesh."""
