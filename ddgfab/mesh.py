@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,10 +18,10 @@ from scipy.sparse.csgraph import connected_components
 
 from ddgfab.arguments import checked, is_numeric
 from ddgfab.errors import MeshError
+from ddgfab.mesh_tables import edge_tables, frozen, loops_of, star_tables
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-_T = TypeVar("_T", bound=np.generic)
 
 
 def unit(vectors: Floats) -> Floats:
@@ -44,11 +43,6 @@ def extent(points: Floats) -> float:
     if not len(rows):
         return 0.0
     return 2.0 * float(np.linalg.norm(rows - rows.mean(axis=0), axis=1).max())
-
-
-def _frozen(array: NDArray[_T]) -> NDArray[_T]:
-    array.setflags(write=False)
-    return array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,7 +92,7 @@ class Mesh:
             raise MeshError(f"faces hold {flat.dtype} values; whole numbers are needed")
         corners = flat.astype(np.int64)
         mesh = Mesh(
-            _frozen(points), _frozen(corners), _frozen(np.concatenate([[0], np.cumsum(sizes)]))
+            frozen(points), frozen(corners), frozen(np.concatenate([[0], np.cumsum(sizes)]))
         )
         mesh.validate()
         return mesh
@@ -203,24 +197,7 @@ class Mesh:
     @cached_property
     def _edge_tables(self) -> tuple[Ints, Ints, Ints, Ints]:
         """Edges, edge of each corner, left and right face of each edge, twin of each corner."""
-        start, end = self.corners, self.corners[self.corner_next]
-        key = np.minimum(start, end) * self.n_vertices + np.maximum(start, end)
-        _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
-        order = np.argsort(first, kind="stable")  # edges in order of first appearance
-        rank = np.empty_like(order)
-        rank[order] = np.arange(len(order))
-        corner_edge, first = rank[inverse], first[order]
-        edges = np.stack([start[first], end[first]], axis=1)
-        second = np.full(len(edges), -1)
-        others = np.setdiff1d(np.arange(len(start)), first, assume_unique=True)
-        second[corner_edge[others]] = others
-        faces = np.stack(
-            [self.corner_face[first], np.where(second < 0, -1, self.corner_face[second])], axis=1
-        )
-        twin = np.full(len(start), -1)
-        twin[first] = second
-        twin[others] = first[corner_edge[others]]
-        return _frozen(edges), _frozen(corner_edge), _frozen(faces), _frozen(twin)
+        return edge_tables(self.n_vertices, self.corners, self.corner_next, self.corner_face)
 
     @property
     def edges(self) -> Ints:
@@ -238,7 +215,7 @@ class Mesh:
         return self._edge_tables[2]
 
     @property
-    def _twin(self) -> Ints:
+    def corner_twin(self) -> Ints:
         """(C,) the opposite corner (half-edge) across the edge, or -1."""
         return self._edge_tables[3]
 
@@ -257,57 +234,13 @@ class Mesh:
     @cached_property
     def boundary_loops(self) -> tuple[Ints, ...]:
         """Closed boundary loops of vertex ids, with the surface on the left."""
-        start, end = self.edges[self.boundary_edge].T
-        follow = dict(zip(start.tolist(), end.tolist(), strict=True))
-        loops = []
-        while follow:
-            first, vertex = next(iter(follow.items()))
-            loop = [first]
-            del follow[first]
-            while vertex != first and vertex in follow:
-                loop.append(vertex)
-                vertex = follow.pop(vertex)
-            loops.append(np.array(loop))
-        return tuple(loops)
+        return loops_of(self.edges[self.boundary_edge])
 
     # --- stars -------------------------------------------------------------------------------
     @cached_property
     def _stars(self) -> tuple[Ints, Ints, Ints]:
         """Start of each vertex' star; its edges counterclockwise; the face after each edge."""
-        twin = self._twin
-        previous = self.corner_previous
-        turn = twin[previous]  # the next outgoing half-edge counterclockwise, -1 at the boundary
-        # One half-edge to begin with: at a boundary vertex the one without a face on its right.
-        begin = np.full(self.n_vertices, -1)
-        begin[self.corners[::-1]] = np.arange(len(self.corners))[::-1]
-        rim = np.flatnonzero(twin < 0)
-        begin[self.corners[rim]] = rim
-        vertex, step, edge, face = [], [], [], []
-        live = np.flatnonzero(begin >= 0)
-        corner = begin[live]
-        for count in range(len(self.corners) + 1):
-            if not len(live):
-                break
-            vertex.append(live)
-            step.append(np.full(len(live), count))
-            edge.append(self.corner_edge[corner])
-            face.append(self.corner_face[corner])
-            following = turn[corner]
-            end = following < 0  # the last edge of a boundary star has no face after it
-            vertex.append(live[end])
-            step.append(np.full(int(end.sum()), count + 1))
-            edge.append(self.corner_edge[previous[corner[end]]])
-            face.append(np.full(int(end.sum()), -1))
-            go = ~end & (following != begin[live])
-            live, corner = live[go], following[go]
-        owner = np.concatenate(vertex)
-        order = np.lexsort((np.concatenate(step), owner))
-        counts = np.bincount(owner, minlength=self.n_vertices)
-        return (
-            _frozen(np.concatenate([[0], np.cumsum(counts)])),
-            _frozen(np.concatenate(edge)[order]),
-            _frozen(np.concatenate(face)[order]),
-        )
+        return star_tables(self)
 
     @property
     def star_start(self) -> Ints:
@@ -333,7 +266,7 @@ class Mesh:
     def split_vertices(self) -> Ints:
         """Vertices where several fans of faces meet: none in a manifold mesh."""
         fans = np.bincount(self.corners, minlength=self.n_vertices) - np.diff(self.star_start)
-        fans += np.bincount(self.corners[self._twin < 0], minlength=self.n_vertices)
+        fans += np.bincount(self.corners[self.corner_twin < 0], minlength=self.n_vertices)
         return np.flatnonzero(fans)
 
     @cached_property
@@ -431,7 +364,7 @@ class Mesh:
         points = np.array(vertices, dtype=np.float64)
         if points.shape != self.vertices.shape:
             raise MeshError(f"vertices have shape {points.shape}; expected {self.vertices.shape}")
-        return Mesh(_frozen(points), self.corners, self.face_start)
+        return Mesh(frozen(points), self.corners, self.face_start)
 
     @checked
     def scaled(self, factor: float) -> Mesh:

@@ -10,9 +10,10 @@ from ddgfab.errors import DegenerateError, InputError, MeshError
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.nets import SIsothermic, double_cover, dual, dual_face, label_edges, piece
+from ddgfab.nets.integration import integrate
 from ddgfab.nets.koebe import koebe
 from ddgfab.nets.koebe.solids import cube_cells, prism
-from ddgfab.nets.sisothermic import integrate, tangential
+from ddgfab.nets.sisothermic import tangential
 from ddgfab.transforms import Moebius
 
 

@@ -12,8 +12,9 @@ from ddgfab.circles import Circles, Spheres
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.measures import mixed_areas, oriented_areas
 from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.nets.integration import CLOSING, integrate
 from ddgfab.nets.koebe.grids import catenoid_koebe, enneper_koebe
-from ddgfab.nets.sisothermic import CLOSING, SIsothermic, integrate
+from ddgfab.nets.sisothermic import SIsothermic
 from ddgfab.nets.sisothermic_labels import checked_labels
 from ddgfab.tolerances import COORDINATE_LIMIT, NET_INPUT
 

@@ -14,10 +14,11 @@ from scipy.sparse.csgraph import connected_components
 from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Mesh
+from ddgfab.nets.integration import CLOSING
 from ddgfab.nets.koebe.polyhedron import KoebePolyhedron, koebe
 from ddgfab.nets.koebe.solids import cube_cells, pillow
 from ddgfab.nets.minimal.net import MinimalNet, minimal_surface
-from ddgfab.nets.sisothermic import CLOSING, SIsothermic
+from ddgfab.nets.sisothermic import SIsothermic
 from ddgfab.nets.sisothermic_labels import DoubleCover, double_cover, piece
 from ddgfab.quads import whole
 from ddgfab.trees import tree_sums
