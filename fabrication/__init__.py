@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fabrication.gridshell.design import Design, design
-    from fabrication.job.run import JobResult, make
+    from fabrication.job.result import JobResult
+    from fabrication.job.run import make
     from fabrication.linkage.kit import Kit, kit
 
 __all__ = ["Design", "JobResult", "Kit", "design", "kit", "make"]

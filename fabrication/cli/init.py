@@ -104,7 +104,8 @@ def _kit(source: str | None, sections: Sections) -> KitProject:
 def _text(made: Project | KitProject, target: Path) -> str:
     """The file of a project: with its name, and files named from where it will lie."""
     from ddgfab.forms.registry import find_generator, kinds
-    from fabrication.gridshell.project import NetSettings, Project
+    from fabrication.gridshell.net_settings import NetSettings
+    from fabrication.gridshell.project import Project
     from fabrication.gridshell.template import project_template
     from fabrication.linkage.template import kit_template
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from fabrication.job.plan import Plan
     from fabrication.job.product import Design, Product
-    from fabrication.job.run import JobResult
+    from fabrication.job.result import JobResult
 
 SHOWN: Final = 3
 """How many files the last lines name."""

@@ -74,7 +74,8 @@ def make_command(
         from fabrication.cli.apart import require_readable
         from fabrication.cli.changes import comma_list, put, sections_of
         from fabrication.cli.jobs import JobOptions, run_job
-        from fabrication.gridshell.design import design_net, find_project, load_net
+        from fabrication.gridshell.design import design_net, find_project
+        from fabrication.gridshell.net_input import load_net
 
         sections = sections_of(change)
         put(sections, "output", jobs=jobs, formats=comma_list(formats))

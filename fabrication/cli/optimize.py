@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ddgfab.mesh import Floats, Mesh
     from ddgfab.optimize import OptimizeResult
     from ddgfab.redesign.retrace import Retraced
-    from fabrication.gridshell.project import OptimizeSettings
+    from fabrication.gridshell.net_settings import OptimizeSettings
 
 PLANAR: Final = "planar"
 """The goal by default."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,30 +9,24 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-import numpy as np
-
 from ddgfab.arguments import instead
 from ddgfab.errors import InputError, clipped
-from ddgfab.forms.generators import GENERATORS
-from ddgfab.forms.registry import find_generator, generate, kinds
-from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, unlikely_size
+from ddgfab.forms.registry import kinds
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
 from ddgfab.suggest import suggestion
-from ddgfab.support import SupportKind, SupportStructure
-from ddgfab.surfaces.spline import SplineSurface
-from ddgfab.trace.reference import reference_mesh
+from ddgfab.support import SupportStructure
 from fabrication.families import families
 from fabrication.gridshell.axes import node_axes, notes_on_axes
 from fabrication.gridshell.detailing.gridshell import Gridshell, detail
 from fabrication.gridshell.load import load_project, make_project, project_for_mesh
+from fabrication.gridshell.net_input import NetInput, load_net, support_kind
 from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.plausible import unlikely
-from fabrication.gridshell.project import MESH, SURFACE, Project
+from fabrication.gridshell.project import Project
 from fabrication.gridshell.schedules import schedules
-from fabrication.gridshell.traced import distance_note, traced_net, traced_optimum
-from fabrication.meshes_in import read_mesh
+from fabrication.gridshell.traced import distance_note, traced_optimum
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family, rejected
 from fabrication.standards import lying
@@ -46,33 +39,11 @@ Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] 
 """A project file, a mesh file, a mesh, (vertices, faces), or None for the built-in example."""
 
 
-LONGEST_EDGE_MM: Final = 1e6
-"""A median edge above this [mm] means that a mesh is in another unit, as a very short one does."""
-
 GIVEN: Final = "mesh given in Python"
 """Stands for the kind of net where a script gave the mesh itself."""
 
 EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
 """The built-in example."""
-
-
-@dataclass(frozen=True, eq=False)
-class NetInput:
-    """A net [mm] and where it came from: file and sha256, reader's notes.
-
-    The file is that of the mesh, or of the combinatorics that a generated net starts from; None
-    where there is none. axes : (V, 3) node axes that the file carries, or None. surface : what a
-    traced net was traced on; reference : the same as a fine mesh, what its optimisation stays near
-    to.
-    """
-
-    mesh: Mesh
-    file: str | None
-    sha256: str | None
-    notes: tuple[str, ...]
-    axes: Floats | None = None
-    surface: SplineSurface | None = None
-    reference: Mesh | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -270,87 +241,3 @@ def _unlikely(project: Project, mesh: Mesh, gridshell: Gridshell) -> tuple[str, 
             file=None if project.file is None else str(project.file),
         )
     return found
-
-
-def support_kind(project: Project) -> SupportKind:
-    """The project's kind of node axes; where it names none, what suits its kind of net."""
-    generated = GENERATORS.get(project.net.kind)
-    if generated is None or project.support.kind != "auto":
-        return project.support.kind
-    return generated.support
-
-
-def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
-    """The project's net in millimetres; `mesh` is used instead of the project's own.
-
-    Raises
-    ------
-    InputError
-        The mesh cannot be read, or its edges are so short or long that its unit must be another.
-    DegenerateError
-        Parameters of a generated net that fit their limits but not each other; names the cell.
-    """
-    named: Path | None = None
-    if mesh is None and project.net.kind == SURFACE:
-        return _traced(project)
-    if mesh is None and project.net.kind != MESH:
-        folder = Path() if project.file is None else project.file.parent
-        mesh = generate(project.net.kind, project.net.parameters, folder)
-        for name in find_generator(project.net.kind).files(project.net.parameters):
-            named = folder / project.net.parameters[name]
-    path = project.mesh_path
-    read = _read(project, path) if mesh is None and path is not None else None
-    if read is not None:
-        mesh = read.mesh
-    if mesh is None:
-        raise InputError(f'[net] kind = "{project.net.kind}" has no mesh of its own')
-    median = float(np.median(mesh.edge_lengths))
-    stated, file = (None, None) if read is None else (read.units, read.file)
-    factor = project.project.factor(median, stated, file)
-    if not SHORTEST_MEDIAN_MM <= median * factor <= LONGEST_EDGE_MM:
-        raise InputError(
-            f"{unlikely_size(median * factor)}\n"
-            'Set [project] units = "m", scale = ..., or median_edge_mm = 1500 '
-            "(on the command line: --set project.units=m).",
-            file=file,
-        )
-    if named is not None:
-        digest = hashlib.sha256(named.read_bytes()).hexdigest()
-        return NetInput(mesh.scaled(factor), str(named), digest, _notes(project))
-    if read is None:
-        return NetInput(mesh.scaled(factor), None, None, _notes(project))
-    return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes, read.axes)
-
-
-def _traced(project: Project) -> NetInput:
-    """The net traced on the project's surface."""
-    surface, found = traced_net(project)
-    notes = tuple(f"net traced on {surface.name}: {row}" for row in found.quality.remarks())
-    reference = reference_mesh(surface, found.traced)
-    path = project.mesh_path
-    if path is None:
-        return NetInput(found.mesh, None, None, notes, None, surface, reference)
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    return NetInput(found.mesh, str(path), digest, notes, None, surface, reference)
-
-
-def _read(project: Project, path: Path) -> ReadResult:
-    """The project's mesh file in its own unit."""
-    net = project.net
-    ways: dict[str, Any] = {"up": net.up, "flip": net.flip, "quads": net.quads}
-    if net.weld_mm is None:
-        return read_mesh(path, **ways)
-    apart = read_mesh(path, merge=0, **ways)
-    factor = project.project.factor(float(np.median(apart.mesh.edge_lengths)), apart.units)
-    return read_mesh(path, merge=net.weld_mm / factor, **ways)
-
-
-def _notes(project: Project) -> tuple[str, ...]:
-    """Remarks on a generated net, for report and manifest."""
-    if support_kind(project) != "normals" or project.support.kind != "auto":
-        return ()
-    return (
-        f'[net] kind = "{project.net.kind}" follows asymptotic lines: no upright axes are free of '
-        "torsion, so node axes are the surface normals and every beam twists between its ends "
-        "([checks] torsion_deg is the limit)",
-    )

@@ -10,7 +10,8 @@ from pydantic import ValidationError
 
 from ddgfab.forms.registry import ParameterError, find_generator, kinds
 from ddgfab.surfaces.analytic import SURFACES, surface_parameters
-from fabrication.gridshell.project import MESH, SURFACE, NetSettings, Project
+from fabrication.gridshell.net_settings import MESH, SURFACE, NetSettings
+from fabrication.gridshell.project import Project
 from fabrication.project.load import explain, sections_in, show, unknown
 from fabrication.project.read import Changes, Origin, read_changed
 from fabrication.surfaces_in.find import CAD_SUFFIXES

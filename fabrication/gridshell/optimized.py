@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import Goal, OptimizeResult, optimize
-from fabrication.gridshell.project import OptimizeSettings
+from fabrication.gridshell.net_settings import OptimizeSettings
 from fabrication.progress import Progress, silent
 
 

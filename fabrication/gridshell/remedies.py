@@ -10,8 +10,8 @@ import numpy as np
 
 from ddgfab.io.pairs import paired_in_order
 from fabrication.gridshell.design import Design
+from fabrication.gridshell.net_settings import MESH
 from fabrication.gridshell.pieces import Panel
-from fabrication.gridshell.project import MESH
 from fabrication.job.problems import Problem
 from fabrication.solids.polygon import least_rectangle
 

@@ -7,7 +7,8 @@ from typing import Final
 
 from ddgfab.forms.registry import find_generator, kinds
 from ddgfab.surfaces.analytic import SURFACES, surface_parameters
-from fabrication.gridshell.project import MESH, SURFACE, NetSettings, Project
+from fabrication.gridshell.net_settings import MESH, SURFACE, NetSettings
+from fabrication.gridshell.project import Project
 from fabrication.project.template import Setting, Settings, comment, settings_of, template
 
 BEGIN: Final = (

@@ -16,8 +16,9 @@ from ddgfab.surfaces.nearest import nearest_points
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.trace import Traced, trace
 from fabrication.gridshell.load import TRACED_GOAL
+from fabrication.gridshell.net_settings import OptimizeSettings
 from fabrication.gridshell.optimized import optimized_mesh
-from fabrication.gridshell.project import OptimizeSettings, Project
+from fabrication.gridshell.project import Project
 from fabrication.progress import Progress
 from fabrication.surfaces_in.find import MESH_SUFFIXES, find_surface
 

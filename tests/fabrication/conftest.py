@@ -8,7 +8,8 @@ import pytest
 from roofs import barrel
 
 from fabrication.gridshell.design import Design, design
-from fabrication.job.run import JobResult, make
+from fabrication.job.result import JobResult
+from fabrication.job.run import make
 
 
 @pytest.fixture(scope="session")

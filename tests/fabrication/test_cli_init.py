@@ -16,9 +16,11 @@ from ddgfab.forms.registry import find_generator, kinds
 from ddgfab.io import write_obj
 from ddgfab.surfaces.analytic import surface_parameters
 from fabrication.cli import app
-from fabrication.gridshell.design import find_project, load_net
+from fabrication.gridshell.design import find_project
 from fabrication.gridshell.load import load_project, make_project
-from fabrication.gridshell.project import NetSettings, Project
+from fabrication.gridshell.net_input import load_net
+from fabrication.gridshell.net_settings import NetSettings
+from fabrication.gridshell.project import Project
 from fabrication.linkage.kit import find_kit_project
 from fabrication.linkage.project import KITS, KitProject, load_kit_project
 from fabrication.project.template import meanings, settings_of

@@ -18,7 +18,7 @@ from fabrication import kit
 from fabrication.cli import app
 from fabrication.gridshell.design import design
 from fabrication.job.plan import plan_job
-from fabrication.job.run import JobResult
+from fabrication.job.result import JobResult
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -9,8 +9,8 @@ import pytest
 
 from ddgfab.errors import ProjectError
 from ddgfab.forms.registry import find_generator, kinds
-from fabrication.gridshell.design import load_net
 from fabrication.gridshell.load import load_project, make_project, project_for_mesh
+from fabrication.gridshell.net_input import load_net
 from fabrication.gridshell.project import Project
 
 NET = '[net]\nkind = "mesh"\nfile = "roof.obj"\n'

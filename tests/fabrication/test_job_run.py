@@ -19,7 +19,8 @@ from ddgfab.errors import OutputError
 from fabrication.formats.stl import read_stl
 from fabrication.gridshell.design import Design, design
 from fabrication.gridshell.product import CHORD_MM
-from fabrication.job.run import JobResult, make
+from fabrication.job.result import JobResult
+from fabrication.job.run import make
 
 pytestmark = pytest.mark.slow
 

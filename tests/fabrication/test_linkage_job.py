@@ -20,7 +20,8 @@ from fabrication.checks.mesh import measure_mesh, to_manifold
 from fabrication.formats.step.read import read_step
 from fabrication.formats.stl import read_stl
 from fabrication.formats.threemf import read_threemf
-from fabrication.job.run import JobResult, make
+from fabrication.job.result import JobResult
+from fabrication.job.run import make
 from fabrication.linkage.kit import Kit, kit
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM

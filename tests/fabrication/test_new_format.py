@@ -20,7 +20,8 @@ from fabrication.formats.base import About, Format, Part, Whole
 from fabrication.formats.report import FileReport, inspect_file, mesh_report
 from fabrication.gridshell.design import Design, design
 from fabrication.gridshell.load import make_project
-from fabrication.job.run import JobResult, make
+from fabrication.job.result import JobResult
+from fabrication.job.run import make
 from fabrication.linkage.kit import kit
 from fabrication.specs import Check, TriangleMesh
 

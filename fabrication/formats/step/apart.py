@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, Final, TypeVar
 
 from ddgfab.errors import DdgError, InputError, KernelError, clipped
+from fabrication.formats.step.resources import limit_process
 
 SECONDS, SECONDS_PER_MB = 4.0, 40.0
 """Computing time [s] that a file may take, and more for each megabyte."""
@@ -298,7 +299,7 @@ def _end_with_parent() -> None:
 def _answer(
     function: Callable[..., Any], path: Path, arguments: tuple[Any, ...], size: int
 ) -> tuple[str, Any]:
-    free = _limit(*limits(size))
+    free = limit_process(*limits(size))
     try:
         return "value", _sheltered(function, path, arguments)
     except _MemoryError:
@@ -342,41 +343,3 @@ def _timed(function: Callable[..., _T], path: Path, arguments: tuple[Any, ...], 
     finally:
         if timer:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
-
-
-def _limit(seconds: float, memory: int) -> Callable[[], None]:
-    """Limit what this process may use from now on; returns what takes the limits away."""
-    try:
-        import resource
-    except ImportError:
-        return lambda: None
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    until = math.ceil(used.ru_utime + used.ru_stime + seconds)
-    _, hard_time = resource.getrlimit(resource.RLIMIT_CPU)
-    _, hard_memory = resource.getrlimit(resource.RLIMIT_AS)
-    taken = _address_space()
-    with suppress(ValueError, OSError):
-        resource.setrlimit(resource.RLIMIT_CPU, (_least(until, hard_time), hard_time))
-    with suppress(ValueError, OSError):
-        if taken:
-            most = _least(taken + memory, hard_memory)
-            resource.setrlimit(resource.RLIMIT_AS, (most, hard_memory))
-
-    def free() -> None:
-        with suppress(ValueError, OSError):
-            resource.setrlimit(resource.RLIMIT_AS, (hard_memory, hard_memory))
-            resource.setrlimit(resource.RLIMIT_CPU, (hard_time, hard_time))
-
-    return free
-
-
-def _least(wanted: int, hard: int) -> int:
-    return wanted if hard < 0 else min(wanted, hard)  # a negative one is none
-
-
-def _address_space() -> int:
-    """Bytes of address space that this process has; 0 where the system does not say."""
-    with suppress(OSError, ValueError):
-        pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
-        return pages * os.sysconf("SC_PAGE_SIZE")
-    return 0

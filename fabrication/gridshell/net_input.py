@@ -1,0 +1,129 @@
+"""The net of a project: read, generated or traced, in millimetres, with where it came from."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ddgfab.errors import InputError
+from ddgfab.forms.generators import GENERATORS
+from ddgfab.forms.registry import find_generator, generate
+from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, unlikely_size
+from ddgfab.mesh import Floats, Mesh
+from ddgfab.support import SupportKind
+from ddgfab.surfaces.spline import SplineSurface
+from ddgfab.trace.reference import reference_mesh
+from fabrication.gridshell.net_settings import MESH, SURFACE
+from fabrication.gridshell.project import Project
+from fabrication.gridshell.traced import traced_net
+from fabrication.meshes_in import read_mesh
+
+LONGEST_EDGE_MM: Final = 1e6
+"""A median edge above this [mm] means that a mesh is in another unit, as a very short one does."""
+
+
+@dataclass(frozen=True, eq=False)
+class NetInput:
+    """A net [mm] and where it came from: file and sha256, reader's notes.
+
+    The file is that of the mesh, or of the combinatorics that a generated net starts from; None
+    where there is none. axes : (V, 3) node axes that the file carries, or None. surface : what a
+    traced net was traced on; reference : the same as a fine mesh, what its optimisation stays near
+    to.
+    """
+
+    mesh: Mesh
+    file: str | None
+    sha256: str | None
+    notes: tuple[str, ...]
+    axes: Floats | None = None
+    surface: SplineSurface | None = None
+    reference: Mesh | None = None
+
+
+def support_kind(project: Project) -> SupportKind:
+    """The project's kind of node axes; where it names none, what suits its kind of net."""
+    generated = GENERATORS.get(project.net.kind)
+    if generated is None or project.support.kind != "auto":
+        return project.support.kind
+    return generated.support
+
+
+def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
+    """The project's net in millimetres; `mesh` is used instead of the project's own.
+
+    Raises
+    ------
+    InputError
+        The mesh cannot be read, or its edges are so short or long that its unit must be another.
+    DegenerateError
+        Parameters of a generated net that fit their limits but not each other; names the cell.
+    """
+    named: Path | None = None
+    if mesh is None and project.net.kind == SURFACE:
+        return _traced(project)
+    if mesh is None and project.net.kind != MESH:
+        folder = Path() if project.file is None else project.file.parent
+        mesh = generate(project.net.kind, project.net.parameters, folder)
+        for name in find_generator(project.net.kind).files(project.net.parameters):
+            named = folder / project.net.parameters[name]
+    path = project.mesh_path
+    read = _read(project, path) if mesh is None and path is not None else None
+    if read is not None:
+        mesh = read.mesh
+    if mesh is None:
+        raise InputError(f'[net] kind = "{project.net.kind}" has no mesh of its own')
+    median = float(np.median(mesh.edge_lengths))
+    stated, file = (None, None) if read is None else (read.units, read.file)
+    factor = project.project.factor(median, stated, file)
+    if not SHORTEST_MEDIAN_MM <= median * factor <= LONGEST_EDGE_MM:
+        raise InputError(
+            f"{unlikely_size(median * factor)}\n"
+            'Set [project] units = "m", scale = ..., or median_edge_mm = 1500 '
+            "(on the command line: --set project.units=m).",
+            file=file,
+        )
+    if named is not None:
+        digest = hashlib.sha256(named.read_bytes()).hexdigest()
+        return NetInput(mesh.scaled(factor), str(named), digest, _notes(project))
+    if read is None:
+        return NetInput(mesh.scaled(factor), None, None, _notes(project))
+    return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes, read.axes)
+
+
+def _traced(project: Project) -> NetInput:
+    """The net traced on the project's surface."""
+    surface, found = traced_net(project)
+    notes = tuple(f"net traced on {surface.name}: {row}" for row in found.quality.remarks())
+    reference = reference_mesh(surface, found.traced)
+    path = project.mesh_path
+    if path is None:
+        return NetInput(found.mesh, None, None, notes, None, surface, reference)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    return NetInput(found.mesh, str(path), digest, notes, None, surface, reference)
+
+
+def _read(project: Project, path: Path) -> ReadResult:
+    """The project's mesh file in its own unit."""
+    net = project.net
+    ways: dict[str, Any] = {"up": net.up, "flip": net.flip, "quads": net.quads}
+    if net.weld_mm is None:
+        return read_mesh(path, **ways)
+    apart = read_mesh(path, merge=0, **ways)
+    factor = project.project.factor(float(np.median(apart.mesh.edge_lengths)), apart.units)
+    return read_mesh(path, merge=net.weld_mm / factor, **ways)
+
+
+def _notes(project: Project) -> tuple[str, ...]:
+    """Remarks on a generated net, for report and manifest."""
+    if support_kind(project) != "normals" or project.support.kind != "auto":
+        return ()
+    return (
+        f'[net] kind = "{project.net.kind}" follows asymptotic lines: no upright axes are free of '
+        "torsion, so node axes are the surface normals and every beam twists between its ends "
+        "([checks] torsion_deg is the limit)",
+    )
