@@ -56,7 +56,7 @@ def test_nothing_is_made_beyond_a_limit(tmp_path: Path, monkeypatch: pytest.Monk
     def spoil(*arguments: Any) -> None:
         raise AssertionError("a part was made")
 
-    monkeypatch.setattr("fabrication.job.run.make_parts", spoil)
+    monkeypatch.setattr("fabrication.job.steps.make_parts", spoil)
     with pytest.raises(LimitError, match=r"planarity: \d panels \(limit 0.2 %\), worst P-\d{4}"):
         make(design(bent(), output=PLAIN), tmp_path / "out")
     assert list(tmp_path.iterdir()) == []

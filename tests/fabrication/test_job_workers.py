@@ -11,7 +11,7 @@ from roofs import barrel
 
 from fabrication.formats.base import Format, Part
 from fabrication.gridshell.design import design
-from fabrication.job import run as run_module
+from fabrication.job import steps
 from fabrication.job.part import Shop, read_back
 from fabrication.job.pool import WorkerLostError, worker_pool
 from fabrication.job.run import make
@@ -49,7 +49,7 @@ def test_a_part_that_no_worker_survives_is_rejected_and_the_job_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).parent))
-    monkeypatch.setattr(run_module, "read_back", killing)
+    monkeypatch.setattr(steps, "read_back", killing)
     made = design(barrel(1, 2), output={"formats": ["stl"]}, checks={"verify": "all"})
     result = make(made, tmp_path / "out", jobs=2)
     lost = {
