@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats
 from ddgfab.optimize.linear import SymmetricSolver
@@ -201,6 +202,7 @@ class _Walker:
         return False
 
 
+@checked
 def follow(
     problem: Problem,
     violation: Callable[[Floats], float],
@@ -247,6 +249,7 @@ def follow(
     return Path(value, status, tuple(walker.history), tuple(ends))
 
 
+@checked
 def settle(
     problem: Problem,
     penalty: float,

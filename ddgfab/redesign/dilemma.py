@@ -25,7 +25,7 @@ from ddgfab.surfaces.principal import principal
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.trace.alignment import Alignment, alignment
 
-Wish: TypeAlias = Literal["principal", "planar"]
+DilemmaGoal: TypeAlias = Literal["principal", "planar"]
 """What drawn edges are to be: principal directions, or conjugate ones (planar faces only)."""
 
 KEPT: Final = 0.5
@@ -107,13 +107,13 @@ class Dilemma:
 
     Attributes
     ----------
-    wish : "principal" or "planar"; keep : part of the anisotropy that was to be kept, or None
+    goal : "principal" or "planar"; keep : part of the anisotropy that was to be kept, or None
     original, mesh : before and after, the same faces
     before, after : directions of the edges; forecast : what was expected
     residual : greatest residual of the equations (parts of diagonals, angles in rad)
     """
 
-    wish: Wish
+    goal: DilemmaGoal
     keep: float | None
     original: Mesh
     mesh: Mesh
@@ -123,7 +123,7 @@ class Dilemma:
     residual: float
 
     def __repr__(self) -> str:
-        return f"Dilemma({self.wish}: moved {self.greatest:.4g} along the normal at most)"
+        return f"Dilemma({self.goal}: moved {self.greatest:.4g} along the normal at most)"
 
     @cached_property
     def normal(self) -> Floats:
@@ -171,7 +171,7 @@ class Dilemma:
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON, in the unit of the mesh and degrees."""
         return {
-            "wish": self.wish,
+            "goal": self.goal,
             "keep": self.keep,
             "forecast": forecast_dict(self.forecast),
             "normal_max": self.greatest,
@@ -219,7 +219,7 @@ def kept_by_default(aligned: Alignment) -> float | None:
 @checked
 def dilemma(
     mesh: Mesh,
-    wish: Wish = "principal",
+    goal: DilemmaGoal = "principal",
     *,
     keep: float | None = None,
     nearest: bool = False,
@@ -230,8 +230,8 @@ def dilemma(
 
     Parameters
     ----------
-    mesh : quads drawn as wished on the surface; other faces at the rim
-    wish : "principal", or "planar": conjugate directions only, which may be skew
+    mesh : quads drawn as asked on the surface; other faces at the rim
+    goal : "principal", or "planar": conjugate directions only, which may be skew
     keep : part of the difference of the principal curvatures to keep; by default 0.5 where the
         edges are turned by more than 25 deg, otherwise whatever the nearest surface leaves
     nearest : keep no anisotropy, whatever the angle
@@ -241,28 +241,28 @@ def dilemma(
     Raises
     ------
     InputError
-        An unknown wish, a part that is negative, vertices off the surface (names the worst).
+        An unknown goal, a part that is negative, vertices off the surface (names the worst).
     MeshError, DegenerateError
         No quads, or no surface that fits (see `alignment`); no net near the mesh.
     OptimizeError
-        The net is far from the wish, and `optimize` does not reach it either.
+        The net is far from the goal, and `optimize` does not reach it either.
     """
-    if wish not in get_args(Wish):
-        raise InputError(f'goal "{wish}" is unknown; one of {", ".join(get_args(Wish))}')
-    if plan and wish != "planar":
+    if goal not in get_args(DilemmaGoal):
+        raise InputError(f'goal "{goal}" is unknown; one of {", ".join(get_args(DilemmaGoal))}')
+    if plan and goal != "planar":
         raise InputError('heights only make faces planar, not principal: choose goal "planar"')
     if surface is not None:
         _check_drawn(mesh, surface)
     before = alignment(mesh, surface)
     chosen = keep if keep is not None or nearest else kept_by_default(before)
-    chosen = None if wish == "planar" and keep is None else chosen
+    chosen = None if goal == "planar" and keep is None else chosen
     forecast = mesh_forecast(mesh, before, chosen)
     if plan:
         up = np.linalg.svd(mesh.vertices - mesh.vertices.mean(axis=0), full_matrices=False)[2][2]
         after, residual = heights_only(mesh, up), 0.0
     else:
-        after, residual = _moved(mesh, wish, chosen, before)
-    return Dilemma(wish, chosen, mesh, after, before, alignment(after), forecast, residual)
+        after, residual = _moved(mesh, goal, chosen, before)
+    return Dilemma(goal, chosen, mesh, after, before, alignment(after), forecast, residual)
 
 
 def large(forecast: Movement, mesh: Mesh) -> str:
@@ -277,24 +277,26 @@ def large(forecast: Movement, mesh: Mesh) -> str:
     )
 
 
-def _moved(mesh: Mesh, wish: Wish, keep: float | None, before: Alignment) -> tuple[Mesh, float]:
+def _moved(
+    mesh: Mesh, goal: DilemmaGoal, keep: float | None, before: Alignment
+) -> tuple[Mesh, float]:
     target = None
     if keep is not None:
         target = bent_further(mesh, keep * _differences(mesh, before))
-    found = nearest_net(mesh, wish, target)
+    found = nearest_net(mesh, goal, target)
     if found is not None:
         return found.mesh, found.residual
     if keep is not None:
         raise DegenerateError(
-            f"no {wish} net near the mesh keeps {100 * keep:g} % of the anisotropy\nkeep less: "
+            f"no {goal} net near the mesh keeps {100 * keep:g} % of the anisotropy\nkeep less: "
             "--keep 0.25, or --nearest"
         )
     try:
-        goal: Literal["planar", "circular"] = "planar" if wish == "planar" else "circular"
-        result = optimize(mesh, goal, flat=0.0, surface=mesh, distance_limit=(np.inf, np.inf))
+        other: Literal["planar", "circular"] = "planar" if goal == "planar" else "circular"
+        result = optimize(mesh, other, flat=0.0, surface=mesh, distance_limit=(np.inf, np.inf))
     except OptimizeError as error:
         raise OptimizeError(
-            f"no {wish} net near the mesh: {str(error).splitlines()[0]}\nlet the net follow the "
+            f"no {goal} net near the mesh: {str(error).splitlines()[0]}\nlet the net follow the "
             "surface: ddgfab optimize --retrace",
             result=error.result,
         ) from None

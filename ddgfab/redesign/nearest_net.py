@@ -1,4 +1,4 @@
-"""The net of a wish nearest to a mesh: equations met exactly at the least change of the surface.
+"""The net of a goal nearest to a mesh: equations met exactly at the least change of the surface.
 
 Sequential quadratic programming: movements along the normal cost one, along the surface a tenth,
 and they are kept smooth, since between smooth solutions zigzags cost less. Source: Nocedal, Wright
@@ -42,28 +42,28 @@ _LONGEST: Final = 2.0
 _SOFT, _REFINED = 1e-9, 3
 """Softness of the equations that keeps pivots apart from zero, and how often it is made good."""
 _FLAT, _BENT = 30.0, 300.0
-"""Weights of planar faces, and of the wished difference of curvatures, against movements."""
+"""Weights of planar faces, and of the asked difference of curvatures, against movements."""
 _ROUNDS: Final = 5
 _CLEAR: Final = 0.25
-"""Polylines that differ by more than this part of the wish keep which of them bends more."""
+"""Polylines that differ by more than this part of the goal keep which of them bends more."""
 
 
 @dataclass(frozen=True, eq=False)
 class NearestNet:
-    """A mesh that meets a wish, the greatest residual of its equations, the steps taken."""
+    """A mesh that meets a goal, the greatest residual of its equations, the steps taken."""
 
     mesh: Mesh
     residual: float
     steps: int
 
 
-def wish_terms(mesh: Mesh, wish: str) -> list[Term]:
+def goal_terms(mesh: Mesh, goal: str) -> list[Term]:
     """Equations of "planar" (conjugate lines) or "principal" (planar faces on circles)."""
     terms: list[Term] = [*planarity_terms(mesh)]
-    return terms if wish == "planar" else [*terms, *circularity_terms(mesh)]
+    return terms if goal == "planar" else [*terms, *circularity_terms(mesh)]
 
 
-def nearest_net(mesh: Mesh, wish: str, target: Floats | None = None) -> NearestNet | None:
+def nearest_net(mesh: Mesh, goal: str, target: Floats | None = None) -> NearestNet | None:
     """The nearest mesh whose faces are planar, or lie on circles; None where none is found near.
 
     Parameters
@@ -72,7 +72,7 @@ def nearest_net(mesh: Mesh, wish: str, target: Floats | None = None) -> NearestN
     """
     frame = Frame.of(mesh)
     small = frame.inside(mesh)
-    terms = wish_terms(small, wish)
+    terms = goal_terms(small, goal)
     if not terms:
         return NearestNet(mesh, 0.0, 0)
     aim = small.vertices.ravel()
@@ -131,14 +131,14 @@ def heights_only(mesh: Mesh, up: Floats) -> Mesh:
 
 
 def bent_further(mesh: Mesh, difference: Floats) -> Floats:
-    """(V, 3) the mesh moved along its normals until its polylines bend as differently as wished.
+    """(V, 3) the mesh moved along its normals until its polylines bend as differently as asked.
 
     Per inner vertex of valence 4 the normal curvatures along its two polylines,
     2 <x_q - x_v, n> / |e|^2, differ by `difference` or more; faces become planar to first order.
 
     Parameters
     ----------
-    difference : (V,) wished least difference of the curvatures
+    difference : (V,) asked least difference of the curvatures
     """
     frame = Frame.of(mesh)
     small = frame.inside(mesh)
@@ -151,9 +151,9 @@ def bent_further(mesh: Mesh, difference: Floats) -> Floats:
     first, second = triples[:half], triples[half:]
     center = first[:, 1]
     bends, slopes = zip(*(_bend(small, rows, normal) for rows in (first, second)), strict=True)
-    wished = frame.unit * difference[center]
+    asked = frame.unit * difference[center]
     gap = bends[0] - bends[1]
-    sign = _signs(small, first, second, gap, wished)
+    sign = _signs(small, first, second, gap, asked)
     gap = sign * gap
     lines = csr_array(diags_array(sign) @ (slopes[0] - slopes[1]))
     flat = planarity_terms(small)
@@ -173,13 +173,13 @@ def bent_further(mesh: Mesh, difference: Floats) -> Floats:
     active = np.zeros(half, dtype=bool)
     base = eye_array(small.n_vertices) + _FLAT**2 * (slope.T @ slope)
     for _ in range(_ROUNDS):
-        short = gap + lines @ move < wished - 1e-9 * np.abs(wished).max()
+        short = gap + lines @ move < asked - 1e-9 * np.abs(asked).max()
         if not (short & ~active).any():
             break
         active |= short
         chosen = lines[active]
         matrix = csc_array(base + _BENT**2 * (chosen.T @ chosen))
-        right = -(_FLAT**2) * (slope.T @ skew) + _BENT**2 * (chosen.T @ (wished - gap)[active])
+        right = -(_FLAT**2) * (slope.T @ skew) + _BENT**2 * (chosen.T @ (asked - gap)[active])
         move = splu(matrix).solve(right)
     return np.asarray(mesh.vertices + frame.unit * move[:, None] * normal)
 
@@ -247,7 +247,7 @@ def _bend(mesh: Mesh, triples: Ints, normal: Floats) -> tuple[Floats, csr_array]
     return total, csr_array(matrix)
 
 
-def _signs(mesh: Mesh, first: Ints, second: Ints, gap: Floats, wished: Floats) -> Floats:
+def _signs(mesh: Mesh, first: Ints, second: Ints, gap: Floats, asked: Floats) -> Floats:
     """(m,) which polyline is to bend more: where it is not clear, as on the whole.
 
     The families of vertices next to each other are matched by direction.
@@ -282,4 +282,4 @@ def _signs(mesh: Mesh, first: Ints, second: Ints, gap: Floats, wished: Floats) -
         ids = np.array(group)
         total = float(label[ids] @ gap[ids])
         sign[ids] = label[ids] * (1.0 if total >= 0 else -1.0)
-    return np.where(np.abs(gap) > _CLEAR * wished, np.sign(gap), sign)
+    return np.where(np.abs(gap) > _CLEAR * asked, np.sign(gap), sign)

@@ -83,13 +83,13 @@ def retrace(mesh: Mesh, spacing: float | None = None, *, name: str = "mesh") -> 
     InputError
         A spacing that does not suit the surface.
     """
-    wished = float(np.median(mesh.edge_lengths)) if spacing is None else float(spacing)
+    asked = float(np.median(mesh.edge_lengths)) if spacing is None else float(spacing)
     last: Exception | None = None
     for smooth in _SMOOTH:
         fitted = fit_mesh(mesh, smooth=smooth, name=name)
         _check_determined(fitted)
         try:
-            found = trace(fitted.surface, wished)
+            found = trace(fitted.surface, asked)
         except InputError as error:
             if not isinstance(error, MeshError):
                 raise
@@ -97,9 +97,9 @@ def retrace(mesh: Mesh, spacing: float | None = None, *, name: str = "mesh") -> 
         except DegenerateError as error:
             last = error
         else:
-            return Retraced(fitted, found, reference_mesh(fitted.surface, found.traced), wished)
+            return Retraced(fitted, found, reference_mesh(fitted.surface, found.traced), asked)
     raise DegenerateError(
-        f"{name}: no net of curvature lines at spacing {wished:.4g}: {last}"
+        f"{name}: no net of curvature lines at spacing {asked:.4g}: {last}"
     ) from None
 
 

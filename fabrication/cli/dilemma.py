@@ -35,7 +35,7 @@ def dilemma_command(
     output: Annotated[
         Path, typer.Option("-o", "--output", help="OBJ, OFF or PLY to write.")
     ] = Path("moved.obj"),
-    wish: Annotated[
+    goal: Annotated[
         str,
         typer.Option(
             "--goal", help="principal (planar faces, straight node axes) or planar (faces only)."
@@ -101,7 +101,7 @@ def dilemma_command(
         read = Reading(units, scale, up, flip, quads, weld).read(mesh)
         drawn = _surface(surface, read.origin)
         before = alignment(read.mesh, drawn)
-        kept = keep if keep is not None or nearest or wish == "planar" else kept_by_default(before)
+        kept = keep if keep is not None or nearest or goal == "planar" else kept_by_default(before)
         expected = mesh_forecast(read.mesh, before, kept)
         if not as_json:
             for note in read.notes:
@@ -117,7 +117,7 @@ def dilemma_command(
         try:
             found = dilemma(
                 read.mesh,
-                wish,  # type: ignore[arg-type] # named where it is unknown
+                goal,  # type: ignore[arg-type] # named where it is unknown
                 keep=keep,
                 nearest=nearest,
                 surface=drawn,

@@ -83,8 +83,8 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     if not SHORTEST_MEDIAN_MM <= median * factor <= LONGEST_EDGE_MM:
         raise InputError(
             f"{unlikely_size(median * factor)}\n"
-            'Set [project] units = "m", scale = ..., or median_edge_mm = 1500 '
-            "(on the command line: --set project.units=m).",
+            f"Set [project] {_size(factor, median * factor)}, scale = ..., or median_edge_mm = "
+            "1500 (on the command line: --set project.KEY=VALUE).",
             file=file,
         )
     if named is not None:
@@ -93,6 +93,13 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     if read is None:
         return NetInput(mesh.scaled(factor), None, None, _notes(project))
     return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes, read.axes)
+
+
+def _size(factor: float, median_mm: float) -> str:
+    """The setting that probably is meant where edges are too short or too long."""
+    if median_mm < SHORTEST_MEDIAN_MM:
+        return 'units = "m"'
+    return 'units = "mm"' if factor > 1.0 else "scale = 0.001"
 
 
 def _traced(project: Project) -> NetInput:

@@ -149,7 +149,7 @@ def test_planar_wish_moves_less_and_stays_skew() -> None:
     assert planarity_percent(plan.mesh).max() < 1e-6
 
 
-def test_far_wishes_are_warned_of() -> None:
+def test_far_goals_are_warned_of() -> None:
     far = paraboloid(np.pi / 4, 1.6, 10.0)
     warning = large(mesh_forecast(far, alignment(far), None), far)
     assert "% of the size (limit 5 %)" in warning
@@ -159,9 +159,9 @@ def test_far_wishes_are_warned_of() -> None:
 
 def test_refusals() -> None:
     mesh = lattice(0.3)
-    with pytest.raises(InputError, match='wish "conical" is unknown'):
+    with pytest.raises(InputError, match='goal "conical" is unknown'):
         dilemma(mesh, "conical")  # type: ignore[arg-type]
-    with pytest.raises(InputError, match='choose wish "planar"'):
+    with pytest.raises(InputError, match='choose goal "planar"'):
         dilemma(mesh, plan=True)
     with pytest.raises(InputError, match=r"vertex \d+ lies .* \(limit .*, 1 % of the size\)"):
         dilemma(mesh, surface=graph(lambda x, y: 0 * x + 0.1 * y**2))

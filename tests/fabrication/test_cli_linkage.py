@@ -89,7 +89,7 @@ def test_example_projects(project: Path, tmp_path: Path) -> None:
         (["--set", "linkage.a=3"], "[linkage] a is unknown"),
         (["--set", "part.label=none"], "[part] is unknown; did you mean parts"),
         (["tesseract"], '"tesseract" is neither a kind of linkage'),
-        (["none.toml"], "none.toml: cannot be read"),
+        (["none.toml"], "none.toml: no such file"),
         (["roof.obj"], "no K-net"),
     ],
 )

@@ -43,7 +43,8 @@ def test_a_plan_names_the_files_and_parts_of_the_job(small_job: JobResult, tmp_p
     assert plan.numbers == len({part["number"] for part in manifest["parts"]})
     assert plan.problems == ()
     assert not plan.replaces
-    assert plan_job(design(barrel()).product(), small_job.folder).replaces
+    again = plan_job(design(barrel(), project={"name": "barrel"}).product(), small_job.folder)
+    assert again.replaces
     assert not (tmp_path / "out").exists()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 from roofs import barrel
 
+from ddgfab.errors import InputError
 from ddgfab.io import write_mesh
 from ddgfab.mesh import Mesh
 from fabrication.gridshell.design import Design, design
@@ -89,10 +91,21 @@ def test_a_design_with_what_helps_goes_on() -> None:
 
 
 def test_a_mesh_in_another_unit_is_told_by_its_panes() -> None:
-    large = design(barrel(), project={"units": "m"})
+    large = design(barrel().scaled(0.5), project={"units": "m"})
     assert stopped(large).settings == (("project", "units", "mm"),)
-    large = design(barrel().scaled(1000.0))
+    large = design(barrel().scaled(500.0))
     assert stopped(large).settings == (("project", "scale", 0.001),)
+
+
+@pytest.mark.parametrize(
+    ("scale", "units", "advice"),
+    [(1.0, "m", 'units = "mm"'), (1000.0, "mm", "scale = 0.001"), (0.001, "mm", 'units = "m"')],
+)
+def test_edges_of_no_gridshell_are_refused_with_the_unit(
+    scale: float, units: str, advice: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(advice)):
+        design(barrel().scaled(scale), project={"units": units})
 
 
 def test_kits_stop_too(tmp_path: Path) -> None:
