@@ -121,7 +121,7 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt as interrupt:
         run.stop()
-        run.fail(f"interrupted: {interrupt or run.outcome}")
+        run.fail(f"interrupted: {str(interrupt) or run.outcome}")
         raise typer.Exit(ended) from None
     except BrokenPipeError:  # the reader has what it wanted, as in `ddgfab net --list | head`
         sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
