@@ -440,5 +440,6 @@ def test_cadquery_opens_the_same_tree(tmp_path: Path) -> None:
 def test_names_with_all_sorts_of_characters_come_back(name: str, tmp_path: Path) -> None:
     path = tmp_path / "assembly.step"
     write_assembly(path, products()[:1], [("BP-001", name, np.eye(4))], name=name)
-    assert [instance[1] for instance in read_step(path).instances] == [name]
-    assert attributes(path)["root"] == name
+    kept = name.replace("\t", " ")  # ISO 10303-21 has no control characters
+    assert [instance[1] for instance in read_step(path).instances] == [kept]
+    assert attributes(path)["root"] == kept

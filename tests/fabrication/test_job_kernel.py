@@ -12,7 +12,7 @@ PROGRAM = """
 import sys
 from pathlib import Path
 from fabrication import design, kit, make
-from fabrication.cli.common import DONE
+from fabrication.cli.terminal import DONE
 
 folder = Path({folder!r})
 if {product!r} == "gridshell":
