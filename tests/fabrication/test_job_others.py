@@ -157,7 +157,17 @@ def test_the_current_folder_stays_the_current_folder(tmp_path: Path, monkeypatch
     assert not (tmp_path / ".ddgfab").exists()
 
 
-def test_an_interrupt_while_the_old_folder_goes(target: Path, monkeypatch: Any) -> None:
+@pytest.fixture
+def interrupts() -> Iterator[None]:
+    """Ctrl-C as at a terminal, also where the tests run in the background, which ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_while_the_old_folder_goes(
+    target: Path, monkeypatch: Any, interrupts: None
+) -> None:
     """The result is in place already: it stays, whole, and the message says so."""
     cases.make_job(target, "old")
     discard = place.discard
