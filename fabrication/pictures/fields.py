@@ -14,6 +14,7 @@ from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats, Ints, Mesh
 from fabrication.pictures.preview import ADVICE, camera
 from fabrication.pictures.sheet import png
+from fabrication.specs import Color
 
 SIZE: Final = (2000, 900)
 """Pixels across and down, of all meshes side by side."""
@@ -42,7 +43,7 @@ class Panel:
     span : least and greatest number of the scale; by default 0 to the greatest, or both sides
         alike where there are negative ones
     marks : (k, 3) points that are shown as balls, with their captions
-    lines : ids of edges that are drawn thick
+    lines : ids of edges that are drawn thick, in `line_color`
     """
 
     mesh: Mesh
@@ -52,6 +53,7 @@ class Panel:
     marks: Floats | None = None
     captions: tuple[str, ...] = ()
     lines: Ints | None = None
+    line_color: Color = (0.0, 0.0, 0.0)
 
 
 def write_panels(path: Path, panels: Sequence[Panel], *, size: tuple[int, int] = SIZE) -> None:
@@ -88,7 +90,8 @@ def _rendered(pyvista: Any, panels: Sequence[Panel], size: tuple[int, int]) -> b
             plotter.camera.position = tuple(view.position)
             plotter.camera.focal_point = tuple(view.focus)
             plotter.camera.up = tuple(view.up)
-            plotter.camera.view_angle = view.field_deg * 1.15  # room for the scale
+            plotter.camera.view_angle = view.field_deg * 1.25  # room for the scale below
+            plotter.camera.SetWindowCenter(0.0, -0.1)
             plotter.reset_camera_clipping_range()
         return png(np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8))
     finally:
@@ -114,9 +117,10 @@ def _add(pyvista: Any, plotter: Any, panel: Panel) -> None:
             nan_color=_PLAIN,
             scalar_bar_args={
                 "color": "black",
-                "n_labels": 4,  # none below the title
+                "n_labels": 4,
+                "title": f"{panel.title}\n ",  # an empty line between the title and the labels
                 "fmt": "%.0f" if max(abs(low), abs(high)) >= _WHOLE else "%.3g",
-                "title_font_size": 18,
+                "title_font_size": 20,
                 "label_font_size": 20,
                 "vertical": False,  # below the model, which may reach to the right margin
                 "position_x": 0.25,
@@ -130,7 +134,7 @@ def _add(pyvista: Any, plotter: Any, panel: Panel) -> None:
         ends = mesh.edges[panel.lines]
         cells = np.column_stack([np.full(len(ends), 2), ends]).ravel()
         thick = pyvista.PolyData(mesh.vertices.astype(np.float64), lines=cells)
-        plotter.add_mesh(thick, color="black", line_width=4)
+        plotter.add_mesh(thick, color=panel.line_color, line_width=4)
     if panel.marks is not None and len(panel.marks):
         for point in panel.marks:
             ball = pyvista.Sphere(radius=_MARK_PART * mesh.diameter, center=point)
