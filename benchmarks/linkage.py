@@ -38,7 +38,7 @@ def kit_seconds(words: list[str], folder: Path) -> tuple[float, dict[str, float]
     seconds = time.perf_counter() - begin
     if done.returncode != 0:
         raise SystemExit(done.stderr.decode())
-    steps: dict[str, float] = json.loads((folder / "timings.json").read_text())
+    steps: dict[str, float] = json.loads((folder / "run.json").read_text())["seconds"]
     return seconds, steps
 
 

@@ -156,7 +156,8 @@ def read_mesh(
     if units is not None:
         asked = None if units == STATED else units
         scale = to_millimetres(asked, scale, raw.units, str(path))
-    points = upright(raw.points * scale, up)
+    with np.errstate(over="ignore"):  # what is too large is refused below
+        points = upright(raw.points * scale, up)
     finite = bool(len(points)) and bool((np.abs(points) <= COORDINATE_LIMIT).all())
     used = np.unique(raw.corners[(raw.corners >= 0) & (raw.corners < len(points))])
     origin = local_origin(points[used]) if finite else np.zeros(3)

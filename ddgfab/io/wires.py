@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from ddgfab.errors import MeshError
 from ddgfab.io.near import CHUNK, near_pairs
 from ddgfab.mesh import Floats, Ints, unit
-from ddgfab.tolerances import WELD_COARSE
+from ddgfab.tolerances import COORDINATE_LIMIT, WELD_COARSE
 
 NEAR_ENDS = 1e-5
 """Ends of lines nearer than this part of the net's size are one point."""
@@ -49,6 +49,12 @@ class Wires:
                 file=file,
             )
         used = np.unique(pairs)
+        large = used[~(np.abs(points[used]) <= COORDINATE_LIMIT).all(axis=1)]
+        if len(large):
+            raise MeshError(
+                f"vertex {large[0]} (counting from 0) has a coordinate beyond {COORDINATE_LIMIT:g}",
+                file=file,
+            )
         size = float(np.linalg.norm(points[used] - points[used].mean(axis=0), axis=1).max())
         near = near_pairs(points[used], min(max(2.5 * step, NEAR_ENDS * size), WELD_COARSE * size))
         graph = coo_array((np.ones(len(near)), near.T), shape=(len(used), len(used)))

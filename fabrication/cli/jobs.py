@@ -55,7 +55,10 @@ def run_job(
     output: Any = getattr(project, "output")  # noqa: B009 - every project has these two
     checks: Any = getattr(project, "checks")  # noqa: B009
     own: str = getattr(project, "name")  # noqa: B009
-    place = OutputFolder(target_for(own, options.output), project=own, force=options.force)
+    sources: Any = getattr(project, "sources")  # noqa: B009
+    place = OutputFolder(
+        target_for(own, options.output), project=own, sources=sources, force=options.force
+    )
     if options.dry_run:
         place.check()
         made = design()

@@ -24,7 +24,7 @@ from fabrication.gridshell.load import load_project, make_project, project_for_m
 from fabrication.gridshell.net_input import NetInput, load_net, support_kind
 from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.plausible import unlikely
-from fabrication.gridshell.project import Project
+from fabrication.gridshell.project import EXAMPLE, Project
 from fabrication.gridshell.schedules import schedules
 from fabrication.gridshell.traced import distance_note, traced_optimum
 from fabrication.progress import Progress, silent
@@ -41,9 +41,6 @@ Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] 
 
 GIVEN: Final = "mesh given in Python"
 """Stands for the kind of net where a script gave the mesh itself."""
-
-EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
-"""The built-in example."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -53,7 +53,7 @@ class GridshellProduct(Product):
         self.name = design.project.name
         self.pieces, self.families = design.gridshell.pieces, design.families
         self.output, self.verify = design.project.output, design.project.checks.verify
-        self.seconds = design.seconds
+        self.seconds, self.sources = design.seconds, design.project.sources
 
     def material(self, role: Role) -> Material:
         """Steel and glass, of the densities in the project."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, field_validator, model_validator
 
@@ -19,6 +19,7 @@ from fabrication.gridshell.net_settings import (
     OptimizeSettings,
     SupportSettings,
 )
+from fabrication.job.sources import Sources
 from fabrication.project.sections import (
     Degrees,
     Finite,
@@ -30,6 +31,9 @@ from fabrication.project.sections import (
 )
 from fabrication.specs import Profile
 from fabrication.standards import bolt_hole, density, polygon, profile, stock_size
+
+EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
+"""The built-in example."""
 
 BoltSize = Literal["none", "M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
 
@@ -211,6 +215,11 @@ class Project(Section):
         if self.net.file is None or self.file is None:
             return self.net.file
         return self.file.parent / self.net.file
+
+    @property
+    def sources(self) -> Sources:
+        """The files that it is made from; none of the built-in example."""
+        return Sources() if self.file == EXAMPLE else Sources(self.file, self.mesh_path)
 
     @property
     def settings(self) -> dict[str, Any]:

@@ -16,9 +16,10 @@ from typing import Any, Final
 from ddgfab.errors import InputError, OutputError, clipped
 from fabrication.job.exchange import holds_mounts, sync_file_system
 from fabrication.job.lock import FolderLock
-from fabrication.job.manifest import MANIFEST, faults, read_manifest
+from fabrication.job.manifest import MANIFEST, faults, made_from, read_manifest
 from fabrication.job.others import WORK
 from fabrication.job.place import NEW, discard, put_in_place, recover
+from fabrication.job.sources import Sources, source_of
 
 _LONGEST: Final = 200
 """Bytes of a target's name that its working folder can be named by."""
@@ -50,6 +51,7 @@ class OutputFolder:
     Parameters
     ----------
     project : its name; a result of another one is refused
+    sources : the files that it is made from; a result made from others is refused too
     force : replace the result of another project
 
     Attributes
@@ -66,13 +68,20 @@ class OutputFolder:
         manifest lists are missing, or the system refuses.
     """
 
-    def __init__(self, target: Path | str, *, project: str | None = None, force: bool = False):
+    def __init__(
+        self,
+        target: Path | str,
+        *,
+        project: str | None = None,
+        sources: Sources | None = None,
+        force: bool = False,
+    ) -> None:
         if str(target) == "":
             raise OutputError("-o is empty; name a folder, or leave it out")
         self.target: Final = Path(target).resolve()
         if not self.target.name:
             raise OutputError(f"{self.target}: no job can take this place; choose a folder with -o")
-        self.project, self.force = project, force
+        self.project, self.sources, self.force = project, sources, force
         self.notes: list[str] = []
 
     @property
@@ -203,17 +212,31 @@ class OutputFolder:
             raise OutputError(f"{target}: is a file; choose another folder with -o")
         with suppress(InputError):
             held = read_manifest(target / MANIFEST).get("project")
-            if self.project is not None and held != self.project and not self.force:
-                raise OtherProjectError(
-                    f"{target}: holds the result of project {clipped(held)}; this is "
-                    f"{clipped(self.project)}. Nothing was written."
-                )
+            if not self.force:
+                self._require_same(held)
             return
         if any(path.name != WORK for path in target.iterdir()):
             raise OutputError(
                 f"{target}: exists and is not an output folder of ddgfab (no {MANIFEST} of it)\n"
                 "Choose another folder with -o, or remove it yourself. Nothing was written."
             )
+
+    def _require_same(self, held: object) -> None:
+        """Raise unless the result that is there is one of this project."""
+        target = self.target
+        if self.project is not None and held != self.project:
+            raise OtherProjectError(
+                f"{target}: holds the result of project {clipped(held)}; this is "
+                f"{clipped(self.project)}. Nothing was written."
+            )
+        record = made_from(target)
+        if self.sources is None or record is None or self.sources.match(record, target):
+            return
+        raise OtherProjectError(
+            f"{target}: holds the result of another project {clipped(held)}, made from "
+            f"{source_of(record, target)}; this is made from {self.sources}. Nothing was written.\n"
+            "Give this one a name of its own ([project] name, --set project.name=...)."
+        )
 
 
 def explain(error: OSError, path: Path) -> OutputError:

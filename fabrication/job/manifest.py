@@ -1,6 +1,7 @@
 """manifest.json: every file and every part; written last, so its presence means complete.
 
-What differs between two runs of one job is not in it: the seconds of the steps are in timings.json.
+What differs between two runs of one job is not in it but in run.json: the seconds of the steps, and
+where the files that it was made from are, as seen from the folder.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ from fabrication.specs import Check, Family, Placement
 from fabrication.version import package_version
 
 MANIFEST: Final = "manifest.json"
-TIMINGS: Final = "timings.json"
-UNLISTED: Final = frozenset({MANIFEST, TIMINGS})
+RUN: Final = "run.json"
+UNLISTED: Final = frozenset({MANIFEST, RUN})
 """Files of ours that the manifest does not list."""
 
 FORMAT_VERSION: Final = 1
@@ -151,7 +152,7 @@ def build_manifest(
 def file_records(folder: Path) -> list[dict[str, Any]]:
     """Path (relative, with slashes), bytes and sha256 of every file below a folder, by path.
 
-    The manifest itself and the timings are left out.
+    The manifest itself and the record of the run are left out.
     """
     records = []
     for path in folder.rglob("*"):
@@ -186,8 +187,8 @@ def write_manifest(path: Path, manifest: Mapping[str, Any]) -> None:
         file.write(text.encode("utf-8"))
 
 
-def write_timings(path: Path, seconds: Mapping[str, float]) -> None:
-    """Write the seconds that each step took, the longest first.
+def write_run(path: Path, sources: Mapping[str, Any], seconds: Mapping[str, float]) -> None:
+    """Write what a job was made from, and the seconds that each step took, the longest first.
 
     Raises
     ------
@@ -195,9 +196,10 @@ def write_timings(path: Path, seconds: Mapping[str, float]) -> None:
         The file cannot be written.
     """
     ordered = sorted(seconds.items(), key=lambda item: -item[1])
-    text = json.dumps({step: round(float(time), 4) for step, time in ordered}, indent=1)
+    record = {"made_from": sources, "seconds": {step: round(float(t), 4) for step, t in ordered}}
+    text = json.dumps(record, indent=1, ensure_ascii=False)
     with atomic_write(path) as file:
-        file.write(f"{text}\n".encode())
+        file.write(f"{text}\n".encode("utf-8", "surrogatepass"))
 
 
 def manifest_text(manifest: Mapping[str, Any]) -> str:
@@ -222,7 +224,7 @@ def read_manifest(path: Path) -> dict[str, Any]:
     """
     try:
         manifest = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"no readable manifest ({error})", file=str(path)) from error
     if (
         not isinstance(manifest, dict)
@@ -231,6 +233,16 @@ def read_manifest(path: Path) -> dict[str, Any]:
     ):
         raise InputError("not a manifest of ddgfab", file=str(path))
     return manifest
+
+
+def made_from(folder: Path) -> dict[str, Any] | None:
+    """What the result in a folder was made from; None where nothing readable says so."""
+    try:
+        record = json.loads((folder / RUN).read_text("utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    found = record.get("made_from") if isinstance(record, dict) else None
+    return found if isinstance(found, dict) else None
 
 
 def listed(folder: Path) -> dict[str, dict[str, Any]]:

@@ -72,7 +72,7 @@ def plan_job(
     target = target_of(product, folder)
     formats = tuple(product.format(name) for name in product.output.formats)
     registry.missing(formats, checked=product.verify != "none")
-    place = OutputFolder(target, project=product.name, force=force)
+    place = OutputFolder(target, project=product.name, sources=product.sources, force=force)
     place.check()
     own = tuple(format for format in formats if format.parts)
     shop = Shop(place.target, own, product.about(), product.chord)

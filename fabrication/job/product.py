@@ -10,6 +10,7 @@ from typing import Any, Protocol, runtime_checkable
 from fabrication.formats.base import About, Format, Header, Material, Standing
 from fabrication.formats.registry import find
 from fabrication.job.problems import Problem
+from fabrication.job.sources import Sources
 from fabrication.project.sections import OutputSettings, Verify
 from fabrication.specs import Check, Family, Piece, Role, TriangleMesh
 from fabrication.table import Table
@@ -29,6 +30,7 @@ class Product(ABC):
     output, verify : [output] of the project, and which files are read back
     seconds : what its design took, by step
     libraries : distributions that shape it, whose versions belong into the manifest
+    sources : files that it is made from
     shown_first : files that a person opens first, where they are written
     """
 
@@ -40,6 +42,7 @@ class Product(ABC):
     verify: Verify
     seconds: Mapping[str, float]
     libraries: tuple[str, ...] = ()
+    sources: Sources = Sources()
     shown_first: tuple[str, ...] = ("assembly.step", "preview.png")
 
     @abstractmethod

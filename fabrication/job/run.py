@@ -82,7 +82,7 @@ def make(
     kernel = registry.needs_kernel(product.output.formats, checked=verified)
     with ExitStack() as stack:
         workers = pool or stack.enter_context(worker_pool(jobs, kernel=kernel))
-        place = OutputFolder(target, project=product.name, force=force)
+        place = OutputFolder(target, project=product.name, sources=product.sources, force=force)
         staging = stack.enter_context(place)
         own = tuple(format for format in formats if format.parts)
         shop = Shop(staging, own, product.about(), product.chord)

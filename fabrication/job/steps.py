@@ -15,12 +15,12 @@ from fabrication.formats.base import Format, Material, Part, Whole
 from fabrication.job.expected import part_files, require_files, whole_files
 from fabrication.job.manifest import (
     MANIFEST,
-    TIMINGS,
+    RUN,
     build_manifest,
     file_records,
     part_records,
     write_manifest,
-    write_timings,
+    write_run,
 )
 from fabrication.job.part import PARTS, Made, Shop, make_parts, read_back
 from fabrication.job.pool import WorkerLostError, Workers
@@ -266,7 +266,8 @@ class Steps:
                 lines += lines_of(found)
         self.tell("manifest", 0, 0)
         manifest = self._manifest(whole.failed, checks, extra, problems)
-        write_timings(self.shop.folder / TIMINGS, self.seconds)
+        sources = self.product.sources.record(self.target)
+        write_run(self.shop.folder / RUN, sources, self.seconds)
         write_manifest(self.shop.folder / MANIFEST, manifest)
         return JobResult(self.target, manifest, tuple(lines), tuple(self.warnings), self.seconds)
 

@@ -41,7 +41,7 @@ class KitProduct(Product):
         self.name = kit.name
         self.pieces, self.families = kit.linkage.pieces, kit.families
         self.output, self.verify = kit.project.output, kit.project.checks.verify
-        self.seconds = kit.seconds
+        self.seconds, self.sources = kit.seconds, kit.project.sources
 
     def material(self, role: Role) -> Material:
         """What the printer prints; metal pins are of steel."""

@@ -14,6 +14,7 @@ from pydantic import Field, ValidationError, field_validator
 from ddgfab.linkages import Mechanism
 from ddgfab.suggest import nearest
 from fabrication.formats.registry import defaults
+from fabrication.job.sources import Sources
 from fabrication.linkage.animation import Gif
 from fabrication.linkage.kinds import BennettLinkage, CrabLinkage, CubeLinkage, KNetLinkage
 from fabrication.linkage.page import Html
@@ -175,6 +176,11 @@ class KitProject(Section):
         if mesh is None or self.file is None:
             return mesh or self.file
         return self.file.parent / mesh
+
+    @property
+    def sources(self) -> Sources:
+        """The files that it is made from."""
+        return Sources(self.file, None if self.source == self.file else self.source)
 
     @property
     def settings(self) -> dict[str, Any]:

@@ -41,7 +41,7 @@ def fill(folder: Path, text: str, project: str = "roof", more: int = 2) -> None:
         (folder / "parts" / "step" / f"{k}.step").write_text(f"{text} {k}")
     (folder / "schedule.csv").write_text(text)
     (folder / f"only-{text}.txt").write_text(text)
-    (folder / "timings.json").write_text("{}")
+    (folder / "run.json").write_text("{}")
     content = build_manifest(
         project=project, facts={"text": text}, parts=[], files=file_records(folder)
     )

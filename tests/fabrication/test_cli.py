@@ -56,7 +56,7 @@ def test_a_job_of_schedules_only(roof: Path, tmp_path: Path) -> None:
     said = ddgfab("make", roof, "-o", tmp_path / "out", "--formats", "csv", "--jobs", 1)
     assert said.exit_code == 0, said.output
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names - {"preview.png"} == {"manifest.json", "timings.json", "schedules"}
+    assert names - {"preview.png"} == {"manifest.json", "run.json", "schedules"}
 
 
 BAD = {

@@ -13,7 +13,7 @@ from roofs import barrel
 from ddgfab.io import write_obj
 
 HERE = Path(__file__).resolve().parents[2]
-TIMINGS = "timings.json"
+RUN = "run.json"
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -52,7 +52,7 @@ def run(place: Path, seed: int, jobs: int, words: list[str], output: str) -> dic
 def test_every_byte_is_equal(words: list[str], tmp_path: Path) -> None:
     one = run(tmp_path / "first", 1, 1, words, "out")
     two = run(tmp_path / "second", 2, 2, words, "elsewhere/result")
-    assert one.keys() == two.keys() >= {TIMINGS, "manifest.json", "assembly.step", "preview.png"}
-    different = [name for name in one if one[name] != two[name] and name != TIMINGS]
+    assert one.keys() == two.keys() >= {RUN, "manifest.json", "assembly.step", "preview.png"}
+    different = [name for name in one if one[name] != two[name] and name != RUN]
     assert different == []
-    assert b'"parts"' in one[TIMINGS]
+    assert b'"parts"' in one[RUN]

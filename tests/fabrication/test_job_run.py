@@ -47,7 +47,7 @@ def test_one_part_for_each_element(small_folder: Path, small_design: Design) -> 
 def test_manifest_lists_every_file(small_folder: Path) -> None:
     listed = {record["path"]: record for record in manifest_of(small_folder)["files"]}
     found = {p.relative_to(small_folder).as_posix() for p in small_folder.rglob("*") if p.is_file()}
-    assert found == set(listed) | {"manifest.json", "timings.json"}
+    assert found == set(listed) | {"manifest.json", "run.json"}
     for name, record in listed.items():
         data = (small_folder / name).read_bytes()
         assert (len(data), hashlib.sha256(data).hexdigest()) == (record["bytes"], record["sha256"])

@@ -158,7 +158,7 @@ def test_the_folder_holds_what_the_design_says(bennett: Kit, made: JobResult) ->
     assert {path.relative_to(made.folder).as_posix() for path in made.folder.rglob("*.*")} == {
         *names,
         "manifest.json",
-        "timings.json",
+        "run.json",
     }
     assert manifest["checks"]["failed"] == 0
     assert manifest["net"]["mobility"] == 1
