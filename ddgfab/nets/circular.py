@@ -214,12 +214,13 @@ def fourth_by_angle(
     Source: mathematics.md 2.3 (ii).
     """
     p, p1, p2, data = columns(x, x1, x2, np.asarray(angle, dtype=np.float64)[..., None])
-    return np.moveaxis(_angle_rule(p, p1, p2, data[0], Place(), convex), 0, -1)
+    return np.moveaxis(angle_rule(p, p1, p2, data[0], Place(), convex), 0, -1)
 
 
-def _angle_rule(
+def angle_rule(
     x: Floats, x1: Floats, x2: Floats, theta: Floats, place: Place, convex: bool = False
 ) -> Floats:
+    """`fourth_by_angle` with components first."""
     frame = edge_frame(x - x1, x2 - x, place, _COLLINEAR)
     theta = np.broadcast_to(theta, x.shape[1:])
     cos, sin = np.cos(theta), np.sin(theta)
@@ -265,7 +266,7 @@ def evolve_by_angles(
     """
 
     def rule(x: Floats, x1: Floats, x2: Floats, theta: Floats, place: Place) -> Floats:
-        return _angle_rule(x, x1, x2, theta, place, convex)
+        return angle_rule(x, x1, x2, theta, place, convex)
 
     return sweep(first, second, (angles,), rule)
 
