@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final
 
-from ddgfab.arguments import instead
+from numpy.typing import ArrayLike
+
 from ddgfab.errors import InputError, clipped
 from ddgfab.forms.registry import kinds
 from ddgfab.measures import Report, inspect
-from ddgfab.mesh import Floats, Mesh
+from ddgfab.mesh import Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
 from ddgfab.suggest import suggestion
 from ddgfab.support import SupportStructure
 from fabrication.families import families
 from fabrication.gridshell.axes import node_axes, notes_on_axes
 from fabrication.gridshell.detailing.gridshell import Gridshell, detail
+from fabrication.gridshell.given import Source, given_mesh, with_axes
 from fabrication.gridshell.load import load_project, make_project, project_for_mesh
 from fabrication.gridshell.net_input import NetInput, load_net, support_kind
 from fabrication.gridshell.optimized import optimized_mesh
@@ -34,10 +36,6 @@ from fabrication.table import Table
 
 if TYPE_CHECKING:
     from fabrication.gridshell.product import GridshellProduct
-
-Source: TypeAlias = "str | Path | Mesh | tuple[Floats, Sequence[Sequence[int]]] | None"
-"""A project file, a mesh file, a mesh, (vertices, faces), or None for the built-in example."""
-
 
 GIVEN: Final = "mesh given in Python"
 """Stands for the kind of net where a script gave the mesh itself."""
@@ -124,14 +122,20 @@ class Design:
 
 
 def design(
-    source: Source = None, *, progress: Progress | None = None, **sections: Mapping[str, Any]
+    source: Source = None,
+    *,
+    axes: ArrayLike | None = None,
+    progress: Progress | None = None,
+    **sections: Mapping[str, Any],
 ) -> Design:
     """From a project, a mesh or arrays to specs and schedules; loads no CAD kernel.
 
     Parameters
     ----------
-    source : project file (TOML), mesh file (OBJ, OFF, PLY), `Mesh`, (vertices, faces), or None for
-        the built-in example
+    source : project file (TOML), mesh file, `Mesh`, (vertices, faces), what `support_structure` or
+        `optimize` gave (with its node axes), or None for the built-in example
+    axes : (V, 3) node axes at the vertices of a mesh given in Python, of any length other than
+        zero; by default [support] says how they are found
     progress : called as (step, done, of)
     sections : settings by section that differ from the project's or the defaults, for instance
         ``beam={"profile": "RHS 100x60x4"}``
@@ -141,22 +145,18 @@ def design(
     DdgError
         The project, the mesh, the structure or a part is invalid; names the value and its limit.
     """
-    if isinstance(source, tuple) and len(source) == 2:
-        source = Mesh.build(*source)
-    if source is not None and not isinstance(source, (str, Path, Mesh)):
-        advice = instead(source, "Mesh")
-        raise InputError(
-            f"design: source is of type {type(source).__name__}; a project or mesh file, a Mesh or "
-            f"(vertices, faces) is needed{f' ({advice})' if advice else ''}"
-        )
-    mesh = source if isinstance(source, Mesh) else None
-    if isinstance(source, Mesh):
+    mesh, own = given_mesh(source, axes)
+    if mesh is None:
+        assert source is None or isinstance(source, str | Path)
+        project = find_project(source, sections)
+    else:
         project = project_for_mesh(GIVEN, sections)  # of any unit, as a file is
         given = project.net.model_copy(update={"kind": GIVEN, "file": None})
         project = project.model_copy(update={"net": given})
-    else:
-        project = find_project(source, sections)
-    return design_net(project, load_net(project, mesh), progress)
+    net = load_net(project, mesh)
+    if own is not None:
+        net = with_axes(net, own, project)
+    return design_net(project, net, progress)
 
 
 def find_project(source: str | Path | None, sections: Mapping[str, Mapping[str, Any]]) -> Project:

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from ddgfab.errors import SupportError
+from ddgfab.errors import DdgError, InputError, SupportError
 from ddgfab.forms.registry import generate
 from ddgfab.io import read_mesh, write_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
-from ddgfab.support import SupportStructure
+from ddgfab.optimize import TorsionFreeResult, optimize
+from ddgfab.support import SupportStructure, support_structure
 from fabrication import design
 from fabrication.cli import app
 from fabrication.gridshell.axes import AxesError
@@ -67,6 +69,60 @@ def test_axes_of_the_file_are_those_of_the_design(tmp_path: Path) -> None:
     assert design(
         path, support={"lean_limit_deg": 60.0}, checks={"torsion_deg": 5.0}
     ).support.kind == "given"  # fmt: skip
+
+
+def test_axes_of_a_script_are_those_of_the_design() -> None:
+    mesh, given = tilted()
+    wide = {"lean_limit_deg": 60.0}
+    found = design(mesh, axes=3.0 * given.axes, support=wide)
+    assert found.support.kind == "given"
+    assert np.abs(found.support.axes - given.axes).max() < 1e-14
+    assert np.abs(np.array([n.axis for n in found.gridshell.nodes]) - given.axes).max() < 1e-14
+    faces = [face.tolist() for face in mesh.faces]
+    metres = {"units": "m"}
+    other = design((mesh.vertices / 1e3, faces), axes=given.axes, support=wide, project=metres)
+    assert np.abs(other.support.axes - given.axes).max() < 1e-14
+    # What carries its axes: a structure, the result of an optimization.
+    offset = support_structure(mesh, "offset")
+    assert np.abs(design(offset).support.axes - offset.axes).max() < 1e-15
+    bent = optimize(translation(40, 4, (9e3, 12e3), 1.0), "torsion-free")
+    assert isinstance(bent, TorsionFreeResult)
+    same = design(bent, support=wide).support
+    assert same.kind == "given"
+    assert np.abs(same.axes - bent.axes).max() < 1e-14
+    assert np.array_equal(design(optimize(mesh, "planar")).mesh.vertices, mesh.vertices)
+
+
+@pytest.mark.parametrize(
+    ("change", "sections", "words"),
+    [
+        (lambda a: a[:-1], {}, r"axes have shape \(\d+, 3\); expected"),
+        (lambda a: a[:, :2], {}, r"axes have shape"),
+        (lambda a: np.where(np.arange(len(a))[:, None] == 4, 0.0, a), {}, "axis of vertex 4 is"),
+        (lambda a: np.where(np.arange(len(a))[:, None] == 4, np.nan, a), {}, "axis of vertex 4 is"),
+        (lambda a: -a, {}, "give -axes"),
+        (lambda a: a, {"support": {"lean_limit_deg": 12.0}}, r"\[support\] lean_limit_deg"),
+        (lambda a: a + 0.1 * np.eye(3)[np.arange(len(a)) % 2], {}, r"\[checks\] torsion_deg"),
+        (lambda a: a, {"support": {"kind": "offset"}}, 'kind = "offset" asks for others'),
+        (lambda a: a, {"optimize": {"goal": "planar"}}, 'goal = "planar" asks for others'),
+        (lambda a: "up", {}, "axes are of type str"),
+    ],
+)
+def test_axes_of_a_script_that_cannot_be_used_are_refused(
+    change: Any, sections: dict[str, Any], words: str
+) -> None:
+    mesh, given = tilted()
+    with pytest.raises(InputError if "asks" in words or "str" in words else DdgError, match=words):
+        design(mesh, axes=change(given.axes), **{"support": {"lean_limit_deg": 60.0}, **sections})
+
+
+def test_axes_go_with_a_mesh_of_their_own() -> None:
+    given = tilted()[1]
+    for source in ("roof.obj", None, "conical"):
+        with pytest.raises(InputError, match=r"design\(mesh, axes=axes\)"):
+            design(source, axes=given.axes)
+    with pytest.raises(InputError, match="given twice"):
+        design(given, axes=given.axes)
 
 
 def test_the_limits_of_a_flat_net_whose_axes_lean_name_the_goal_that_helps() -> None:

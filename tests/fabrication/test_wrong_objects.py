@@ -25,7 +25,6 @@ STRUCTURE = support_structure(MESH)
     [
         (NET, ".to_mesh()"),
         (KNET, "net.to_net().to_mesh()"),
-        (STRUCTURE, "its mesh is .mesh"),
         (MESH.vertices, "grid_mesh(points)"),
         (3.0, "Mesh.build"),
         ({"net": {}}, "Mesh.build"),
