@@ -24,6 +24,7 @@ Placement: TypeAlias = NDArray[np.float64]  # (4, 4) rigid motion from the part'
 Role: TypeAlias = str  # what a part is in its structure; every `Kind` names one
 Color: TypeAlias = tuple[float, float, float]  # sRGB, 0..1
 Finish: TypeAlias = Literal["matte", "bright", "glass", "plastic"]
+Form: TypeAlias = Literal["joint", "bar", "sheet", "block"]
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class Kind:
     color : in files
     finish : how light falls on it in models and pictures
     shown : its color in pictures where that is another one
+    form : how pictures draw it: joints, at which bars and sheets meet, are dots from far and have
+        the close-up; bars are lines from far; blocks are drawn as they are
     """
 
     role: Role
@@ -46,6 +49,7 @@ class Kind:
     color: Color
     finish: Finish = "plastic"
     shown: Color | None = None
+    form: Form = "block"
 
     @property
     def layer(self) -> str:

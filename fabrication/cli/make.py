@@ -71,7 +71,6 @@ def make_command(
     """
     with session(debug, quiet, verbose) as run:
         run.progress("project", 0, 0)
-        from fabrication.cli.apart import require_readable
         from fabrication.cli.changes import comma_list, put, sections_of
         from fabrication.cli.jobs import JobOptions, run_job
         from fabrication.gridshell.design import design_net, find_project
@@ -86,8 +85,6 @@ def make_command(
 
         def design() -> Design:
             run.progress("net", 0, 0)
-            if project.mesh_path is not None:
-                require_readable(project.mesh_path)
             return design_net(project, load_net(project), run.progress)
 
         code = run_job(

@@ -74,7 +74,6 @@ def trace_command(
         from ddgfab.surfaces.analytic import SURFACES
         from ddgfab.trace.alignment import alignment
         from ddgfab.trace.mesh import TAGS
-        from fabrication.cli.apart import require_readable
         from fabrication.cli.changes import put, sections_of
         from fabrication.gridshell.load import make_project
         from fabrication.gridshell.traced import traced_net
@@ -101,8 +100,6 @@ def trace_command(
         check_target(output)
         put(sections, "project", units=units, scale=scale)
         project = make_project({**sections, "net": {"kind": "surface", **net}})
-        if project.mesh_path is not None:
-            require_readable(project.mesh_path)
         name, found = traced_net(project)
         has_quads = bool((found.mesh.face_sizes == 4).any())  # coarse nets may have none
         edges = alignment(found.mesh, name) if has_quads else None

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, TypeAlias
 
 from ddgfab.errors import InputError
 from fabrication.boundary import Boundary
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from fabrication.formats.report import FileReport
 
 Row: TypeAlias = Mapping[str, Any]
+ByDefault: TypeAlias = Literal["always", "printed", "never"]
 Standing: TypeAlias = tuple[str, str, Placement]
 """Part number, piece mark, (4, 4) placement [mm]."""
 
@@ -172,7 +173,8 @@ class Format:
     suffixes : of its files, the first one when they are written
     parts : whether it has a file a part number
     report : whether its whole names what failed: written last, by the process of the job itself
-    printing : whether it is for printers: written by default only of products that are printed
+    by_default : which projects that name no formats are written in it: all, those of printed
+        products, or none
     needs, needs_to_check : modules, and the packages that pip installs for them
     libraries : distributions whose versions belong into the manifest
     options : what [output.options] may set of it: the values of each option, the default first
@@ -182,7 +184,7 @@ class Format:
     suffixes: ClassVar[tuple[str, ...]]
     parts: ClassVar[bool] = False
     report: ClassVar[bool] = False
-    printing: ClassVar[bool] = False
+    by_default: ClassVar[ByDefault] = "never"
     needs: ClassVar[Mapping[str, str]] = {}
     needs_to_check: ClassVar[Mapping[str, str]] = {}
     libraries: ClassVar[tuple[str, ...]] = ()

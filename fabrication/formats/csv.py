@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
 from fabrication.formats.base import Format, Whole
+from fabrication.formats.report import FileReport
 from fabrication.formats.tables import SCHEDULES, Row, columns_of, decimals, text_of
 from fabrication.specs import Check
 
@@ -19,6 +22,7 @@ class Csv(Format):
 
     name = "csv"
     suffixes = (".csv",)
+    by_default = "always"
 
     def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
         """A file a schedule."""
@@ -42,6 +46,10 @@ class Csv(Format):
             right = whole_rows and len(found) == len(rows)
             checks.append(Check(f"csv {name} rows", right, float(len(found)), float(len(rows))))
         return checks
+
+    def inspect(self, path: Path) -> FileReport:
+        """Its rows and columns; see `Format.inspect`."""
+        return inspect_csv(path)
 
 
 FORMAT: Final = Csv()
@@ -76,3 +84,40 @@ def write_csv(path: Path, rows: Sequence[Row], columns: Sequence[str] | None = N
     """
     with atomic_write(path) as file:
         file.write(csv_text(rows, columns).encode("utf-8"))
+
+
+def inspect_csv(path: Path) -> FileReport:
+    """Whether a CSV is a table: named columns, each name once, each row with all of them.
+
+    Raises
+    ------
+    InputError
+        Missing, not UTF-8, or without a header.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file, strict=True)
+            rows = [(reader.line_num, row) for row in reader]
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", file=str(path)) from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"not a CSV in UTF-8 ({error})", file=str(path)) from error
+    if not rows or not rows[0][1]:
+        raise InputError("has no header", file=str(path))
+    header, found = rows[0][1], rows[1:]
+    problems = [f"column {at} has no name" for at, name in enumerate(header, 1) if not name]
+    problems += [
+        f'{count} columns are named "{name}"'
+        for name, count in Counter(header).items()
+        if name and count > 1
+    ]
+    problems += [
+        f"line {line} has {len(row)} cells, not {len(header)}"
+        for line, row in found
+        if len(row) != len(header)
+    ]
+    contents = ", ".join(
+        f"{count} {what}{'' if count == 1 else 's'}"
+        for count, what in ((len(found), "row"), (len(header), "column"))
+    )
+    return FileReport(str(path), "CSV", contents, tuple(problems), sound="every row complete")

@@ -35,7 +35,8 @@ def defaults(*, printed: bool) -> tuple[str, ...]:
     ----------
     printed : whether the product is made by printers
     """
-    return tuple(name for name in MODULES if printed or not find(name).printing)
+    wanted = ("always", "printed") if printed else ("always",)
+    return tuple(name for name in names() if find(name).by_default in wanted)
 
 
 def register(format: Format) -> None:

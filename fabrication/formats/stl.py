@@ -13,7 +13,7 @@ from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
 from fabrication.checks.mesh import measure_mesh
 from fabrication.formats.base import About, Format, Part
-from fabrication.formats.report import FileReport, mesh_report
+from fabrication.formats.solids import SolidsReport, mesh_report
 from fabrication.specs import Check, TriangleMesh
 
 _RECORD: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -29,6 +29,7 @@ class Stl(Format):
     name = "stl"
     suffixes = (".stl",)
     parts = True
+    by_default = "always"
 
     def write_part(self, path: Path, part: Part, about: About) -> None:
         """Binary; see `stl_bytes`."""
@@ -38,7 +39,7 @@ class Stl(Format):
         """Read back and compared; see `check_stl_part`."""
         return check_stl_part(path, part.mesh)
 
-    def inspect(self, path: Path) -> FileReport:
+    def inspect(self, path: Path) -> SolidsReport:
         """Closed, outward, without crossings; see `Format.inspect`."""
         return mesh_report(path, "STL", "mm assumed", [("", 1, read_stl(path))])
 

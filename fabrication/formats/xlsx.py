@@ -29,6 +29,7 @@ class Xlsx(Format):
 
     name = "xlsx"
     suffixes = (".xlsx",)
+    by_default = "always"
     needs = {"xlsxwriter": "xlsxwriter"}  # noqa: RUF012
     libraries = ("xlsxwriter",)
 

@@ -200,7 +200,7 @@ class Project(Section):
     node: NodeSettings = NodeSettings()
     panel: PanelSettings = PanelSettings()
     checks: CheckSettings = CheckSettings()
-    output: OutputSettings = OutputSettings()
+    output: OutputSettings = Field(default_factory=OutputSettings)
     file: Path | None = Field(default=None, exclude=True)
 
     @property

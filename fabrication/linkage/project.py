@@ -161,7 +161,7 @@ class KitProject(Section):
     parts: PartsSettings = PartsSettings()
     motion: MotionSettings = MotionSettings()
     checks: CheckSettings = CheckSettings()
-    output: KitOutput = KitOutput()
+    output: KitOutput = Field(default_factory=KitOutput)
     file: Path | None = Field(default=None, exclude=True)
 
     @property

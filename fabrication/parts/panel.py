@@ -33,6 +33,7 @@ PANEL: Final = Kind(
     color=(0.45, 0.72, 0.74),
     finish="glass",
     shown=(0.36, 0.72, 0.76),
+    form="sheet",
 )
 
 M2_PER_MM2: Final = 1e-6

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats, Ints
-from fabrication.specs import Family, Kind, Placement, Role, TriangleMesh
+from fabrication.specs import Family, Form, Kind, Placement, TriangleMesh
 
 RISE_DEG: Final = 35.0
 """Height of the eye above the plane normal to the node's axis [deg]."""
@@ -38,9 +38,9 @@ class PlacedMesh:
     triangles: Ints
 
     @property
-    def role(self) -> Role:
-        """What it is in the structure."""
-        return self.kind.role
+    def form(self) -> Form:
+        """How it is drawn."""
+        return self.kind.form
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,14 +95,14 @@ def joined(pieces: Sequence[PlacedMesh]) -> tuple[Floats, Ints]:
 
 
 def closeup(pieces: Sequence[PlacedMesh], eye: Floats) -> Closeup | None:
-    """The node that shows best how the parts meet, as seen by who looks from `eye`.
+    """The joint that shows best how the parts meet, as seen by who looks from `eye`.
 
-    Among the nodes with four beams or more and a panel in each corner (or else those with most),
-    the one nearest to the middle of the structure whose outside faces the eye. None: no node has
-    a beam.
+    Among the joints with four bars or more and a sheet in each corner (or else those with most),
+    the one nearest to the middle of the structure whose outside faces the eye. None: no joint has
+    a bar.
     """
-    nodes = [p for p in pieces if p.role == "node"]
-    others = [p for p in pieces if p.role != "node"]
+    nodes = [p for p in pieces if p.form == "joint"]
+    others = [p for p in pieces if p.form != "joint"]
     if not nodes or not others:
         return None
     middles = np.array([(p.vertices.min(axis=0) + p.vertices.max(axis=0)) / 2 for p in nodes])
@@ -110,7 +110,8 @@ def closeup(pieces: Sequence[PlacedMesh], eye: Floats) -> Closeup | None:
     beams = np.zeros(len(nodes), dtype=np.int64)
     panels = np.zeros(len(nodes), dtype=np.int64)
     for piece, at in zip(others, ends, strict=True):
-        (beams if piece.role == "beam" else panels)[at] += 1
+        beams[at] += piece.form == "bar"
+        panels[at] += piece.form == "sheet"
     if not beams.any():
         return None
     rank = np.where(beams > 0, np.minimum(beams, _VALENCE) + np.minimum(panels, _VALENCE), -1)
@@ -156,7 +157,7 @@ def _opened(
         out = piece.vertices.mean(axis=0) - middle
         return float(np.arctan2(out @ y, out @ x))
 
-    arms = sorted((p for p in touching if p.role == "beam"), key=azimuth)
+    arms = sorted((p for p in touching if p.form == "bar"), key=azimuth)
     angles = np.array([azimuth(p) for p in arms])
     gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
     between = angles + gaps / 2
@@ -166,7 +167,7 @@ def _opened(
     rise = np.radians(RISE_DEG)
     back = np.cos(rise) * (np.cos(turn) * x + np.sin(turn) * y) + np.sin(rise) * axis
 
-    panes = [p for p in touching if p.role == "panel"]
+    panes = [p for p in touching if p.form == "sheet"]
     kept = panes
     if len(panes) > 1:
         off = [abs(np.angle(np.exp(1j * (azimuth(p) - between[front])))) for p in panes]
@@ -178,7 +179,8 @@ def _opened(
     local = node.vertices - node.placement[:3, 3]
     diameter = 2 * float(np.linalg.norm(local - np.outer(local @ axis, axis), axis=1).max())
     moved = replace(pulled, vertices=pulled.vertices + _PULLED * diameter * along)
-    return [*(moved if p is pulled else p for p in arms), *kept], (back, axis)
+    blocks = [p for p in touching if p.form == "block"]
+    return [*(moved if p is pulled else p for p in arms), *kept, *blocks], (back, axis)
 
 
 def _at(middle: Floats, radius: float, directions: tuple[Floats, Floats]) -> View:

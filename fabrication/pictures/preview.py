@@ -224,13 +224,11 @@ def _far_scene(
     for (kind, failed), (vertices, triangles) in merged(pieces).items():
         mesh = _poly_data(pyvista, vertices, triangles)
         actors.append((mesh, _appearance(kind, failed, _GLASS)))
-        if (
-            kind.role == "beam"
-        ):  # at least a pixel wide, also where a thin bar is seen from its edge
+        if kind.form == "bar":  # at least a pixel wide, also where a thin one is seen from its edge
             line = {"style": "wireframe", "line_width": _SAMPLES, "lighting": False}
             ink = [_LINE * channel for channel in _color(kind, failed)]
             actors.append((mesh, {"color": ink, **line}))
-        if kind.role == "node":
+        if kind.form == "joint":
             dots = [p.vertices.mean(axis=0) for p in pieces if (p.kind, p.failed) == (kind, failed)]
             cloud = pyvista.PolyData(np.array(dots, dtype=np.float32))
             width = _DOT * _SAMPLES * size[0] / SIZE[0]

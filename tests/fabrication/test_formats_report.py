@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError
+from fabrication.formats.csv import write_csv
 from fabrication.formats.report import inspect_file
 from fabrication.formats.stl import write_stl
 from fabrication.formats.threemf import threemf_bytes
@@ -135,3 +136,19 @@ def test_step_files(tmp_path: Path) -> None:
     path.write_bytes(b"solid of another kind")
     with pytest.raises(InputError, match=r"a\.step"):
         inspect_file(path)
+
+
+def test_a_csv_is_a_table_whose_rows_are_complete(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    write_csv(path, [{"mark": 'B-0000, "x"', "length_mm": 1.0}, {"mark": "a\nb", "length_mm": 2}])
+    assert inspect_file(path).text() == f"{path}: CSV, 2 rows, 2 columns, every row complete"
+    path.write_text('mark,mark,\n"a\nb",1,2\nc,1\n', "utf-8")
+    assert inspect_file(path).problems == (
+        "column 3 has no name",
+        '2 columns are named "mark"',
+        "line 4 has 2 cells, not 3",
+    )
+    for data in (b"", b"\n", b"\xff\xfe", b'a,b\n"open'):
+        path.write_bytes(data)
+        with pytest.raises(InputError, match=r"a\.csv: (has no header|not a CSV in UTF-8)"):
+            inspect_file(path)

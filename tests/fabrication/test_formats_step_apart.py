@@ -8,8 +8,10 @@ import time
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from ddgfab.errors import InputError
+from fabrication.cli import app
 from fabrication.formats.report import inspect_file
 from fabrication.formats.step import apart as module
 from fabrication.formats.step.apart import apart
@@ -102,3 +104,16 @@ def test_a_file_that_crashes_the_kernel() -> None:
         pytest.skip("segv.step is not in ../shared/data/cases of this checkout")
     with pytest.raises(InputError, match=r"segv\.step: the CAD kernel crashed on it"):
         inspect_file(path)
+
+
+@pytest.mark.parametrize("command", ["check", "trace", "make"])
+def test_commands_survive_it(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = CASES / "segv.step"
+    if not path.exists():
+        pytest.skip("segv.step is not in ../shared/data/cases of this checkout")
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(app, [command, str(path)])
+    assert result.exit_code == 2, result.output
+    assert "segv.step: " in result.output
+    assert "damaged" in result.output or "has no faces" in result.output
+    assert list(tmp_path.iterdir()) == []

@@ -17,7 +17,8 @@ from roofs import barrel
 from ddgfab.errors import InputError, ProjectError
 from fabrication.formats import registry
 from fabrication.formats.base import About, Format, Part, Whole
-from fabrication.formats.report import FileReport, inspect_file, mesh_report
+from fabrication.formats.report import FileReport, inspect_file
+from fabrication.formats.solids import mesh_report
 from fabrication.gridshell.design import Design, design
 from fabrication.gridshell.load import make_project
 from fabrication.job.result import JobResult
@@ -162,6 +163,23 @@ def test_a_rejected_part_of_a_kit_is_on_no_plate(tri: Triangles, tmp_path: Path)
     printed = {part.number for part in made.printed}
     assert "LP-001" in printed
     assert {body.name for body in bodies} == printed - {"LP-001"}
+
+
+def test_a_new_format_does_not_change_what_is_written_by_default(tri: Triangles) -> None:
+    """It says itself for which products it is written where a project names no formats."""
+    before = {
+        False: ("step", "stl", "glb", "csv", "xlsx"),
+        True: ("step", "stl", "3mf", "glb", "csv", "xlsx"),
+    }
+    assert "tri" in registry.names()
+    for printed, formats in before.items():
+        assert registry.defaults(printed=printed) == formats
+    assert make_project({}).output.formats == before[False]
+    tri.by_default = "printed"  # type: ignore[misc]
+    assert registry.defaults(printed=False) == before[False]
+    assert registry.defaults(printed=True) == (*before[True], "tri")
+    tri.by_default = "always"  # type: ignore[misc]
+    assert make_project({}).output.formats == (*before[False], "tri")
 
 
 def test_unknown_and_missing_formats_are_named() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Self
 
@@ -22,11 +22,11 @@ from fabrication.gridshell.detailing.nodes import registry
 from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
 from fabrication.gridshell.load import make_project
 from fabrication.job.run import make
+from fabrication.parts.node import NODE
 from fabrication.solids.builder import BoundaryBuilder
-from fabrication.specs import Kind
 from fabrication.variants import Variants, key_of
 
-PRISM: Final = Kind("node", "N", "XP", "Prisms", (0.2, 0.6, 0.3))
+PRISM: Final = replace(NODE, prefix="XP", title="Prisms", color=(0.2, 0.6, 0.3))
 SIDES: Final = 8
 
 

@@ -114,9 +114,9 @@ def test_the_close_up_opens_the_middle_node_towards_the_eye(azimuth: float) -> N
     node = near.pieces[0]
     middle = design.gridshell.nodes[12]  # of 5 x 5
     np.testing.assert_allclose(node.placement[:3, 3], middle.position, atol=1e-6)
-    roles = [p.role for p in near.pieces[1:]]
-    assert roles.count("beam") == 4
-    assert roles.count("panel") == 3  # the one before the eye is left out
+    forms = [p.form for p in near.pieces[1:]]
+    assert forms.count("bar") == 4
+    assert forms.count("sheet") == 3  # the one before the eye is left out
     axis = node.placement[:3, 2]
     back = near.view.position - near.middle
     distance = np.linalg.norm(back)
@@ -125,13 +125,13 @@ def test_the_close_up_opens_the_middle_node_towards_the_eye(azimuth: float) -> N
     flat = back[:2] / np.linalg.norm(back[:2])
     assert flat @ [np.cos(azimuth), np.sin(azimuth)] > np.cos(np.radians(60))
     # Every other pane is farther from the eye than the node; one before it would be nearer.
-    for pane in (p for p in near.pieces if p.role == "panel"):
+    for pane in (p for p in near.pieces if p.form == "sheet"):
         out = pane.vertices.mean(axis=0) - near.middle
         assert out[:2] @ flat < 0.5 * np.linalg.norm(out)
     # One beam is off its seat, along itself, by three quarters of the node's diameter.
     there = {p.vertices.tobytes() for p in pieces}
     moved = [p for p in near.pieces if p.vertices.tobytes() not in there]
-    assert [p.role for p in moved] == ["beam"]
+    assert [p.form for p in moved] == ["bar"]
     old = next(p for p in pieces if p.placement is moved[0].placement)
     step = (moved[0].vertices - old.vertices).mean(axis=0)
     assert isinstance(middle.shape, NodeShape)
@@ -143,10 +143,10 @@ def test_the_close_up_opens_the_middle_node_towards_the_eye(azimuth: float) -> N
 def test_no_close_up_without_nodes_or_beams_and_one_from_straight_above() -> None:
     pieces = standing(roof(2))
     eye = np.array([9e3, 2e3, 8e3])
-    assert closeup.closeup([p for p in pieces if p.role != "node"], eye) is None
-    assert closeup.closeup([p for p in pieces if p.role != "beam"], eye) is None
-    node = next(p for p in pieces if p.role == "node")
-    only = [node, min((p for p in pieces if p.role == "beam"), key=lambda p: distance(p, node))]
+    assert closeup.closeup([p for p in pieces if p.form != "joint"], eye) is None
+    assert closeup.closeup([p for p in pieces if p.form != "bar"], eye) is None
+    node = next(p for p in pieces if p.form == "joint")
+    only = [node, min((p for p in pieces if p.form == "bar"), key=lambda p: distance(p, node))]
     near = closeup.closeup(only, np.array([0.0, 0.0, 1e5]))
     assert near is not None
     assert len(near.pieces) == 2

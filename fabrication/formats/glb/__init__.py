@@ -15,7 +15,7 @@ from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
 from fabrication.formats.base import FAILED, FAILED_COLOR, Format, Whole
 from fabrication.formats.glb.read import read_glb
-from fabrication.formats.report import FileReport, mesh_report
+from fabrication.formats.solids import SolidsReport, mesh_report
 from fabrication.specs import Check, Color, Family, Finish, Kind, Placement, TriangleMesh
 from fabrication.version import originating_system
 
@@ -36,6 +36,7 @@ class Glb(Format):
 
     name = "glb"
     suffixes = (".glb",)
+    by_default = "always"
 
     def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
         """model.glb."""
@@ -80,7 +81,7 @@ class Glb(Format):
             Check("glb positions_mm", away <= limit, away, limit),
         ]
 
-    def inspect(self, path: Path) -> FileReport:
+    def inspect(self, path: Path) -> SolidsReport:
         """Its meshes, corners of equal coordinates welded, and what they share where they stand."""
         content = read_glb(path)
         place = {id(mesh): k for k, (_, mesh) in enumerate(content.meshes)}

@@ -9,7 +9,7 @@ from typing import Final, cast, get_args
 from ddgfab.errors import InputError
 from fabrication.checks.solid import check_solid
 from fabrication.formats.base import About, Format, Part, Whole
-from fabrication.formats.report import FileReport
+from fabrication.formats.solids import SolidsReport
 from fabrication.formats.step.apart import apart
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
 from fabrication.formats.step.inspect import step_report
@@ -28,6 +28,7 @@ class Step(Format):
     name = "step"
     suffixes = (".step", ".stp")
     parts = True
+    by_default = "always"
     needs_to_check = {"OCP": "cadquery-ocp"}  # noqa: RUF012
     libraries = ("cadquery-ocp", "build123d", "cadquery")
     options = {"schema": get_args(Schema)}  # noqa: RUF012
@@ -86,7 +87,7 @@ class Step(Format):
     def _schema(self, about: About) -> Schema:
         return cast(Schema, self.option(about, "schema"))
 
-    def inspect(self, path: Path) -> FileReport:
+    def inspect(self, path: Path) -> SolidsReport:
         """Each product: solids, closed, valid, volume; and what solids share where they stand."""
         return apart(step_report, path)
 

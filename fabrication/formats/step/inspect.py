@@ -11,7 +11,7 @@ import numpy as np
 from fabrication.checks.overlaps import ROUNDING_MM, covered
 from fabrication.checks.overlaps import Body as Solid
 from fabrication.checks.shells import Shells, examine_shells
-from fabrication.formats.report import Body, FileReport, file_report, interference
+from fabrication.formats.solids import Body, SolidsReport, interference, solids_report
 from fabrication.formats.step.faceted import FacetedSolid
 from fabrication.formats.step.read import StepContent, StepProduct, read_step
 from fabrication.specs import Placement
@@ -25,7 +25,7 @@ class _Examined:
     solids: tuple[Solid | None, ...]
 
 
-def step_report(path: Path) -> FileReport:
+def step_report(path: Path) -> SolidsReport:
     """Each product: solids, closed, valid, volume, shells; and what placed solids share.
 
     Solids with curved faces are compared by facets that are at most
@@ -49,7 +49,7 @@ def step_report(path: Path) -> FileReport:
         standing += row
         groups += [group] * len(row)
     between = interference(solids, standing, chords, groups)
-    return file_report(path, "STEP", content.unit, [examined.body for examined in found], between)
+    return solids_report(path, "STEP", content.unit, [examined.body for examined in found], between)
 
 
 def _standing(content: StepContent) -> Iterator[list[tuple[int, str, Placement]]]:

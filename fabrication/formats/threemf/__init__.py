@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from fabrication.formats.base import About, Format, Part, Standing, Whole
-from fabrication.formats.report import FileReport, mesh_report
+from fabrication.formats.solids import SolidsReport, mesh_report
 from fabrication.formats.threemf.read import Content3MF, check_threemf, read_threemf
 from fabrication.formats.threemf.write import Body3MF, Item3MF, threemf_bytes, write_threemf
 from fabrication.specs import Check
@@ -42,7 +42,7 @@ class ThreeMF(Format):
     name = "3mf"
     suffixes = (".3mf",)
     parts = True
-    printing = True
+    by_default = "printed"
     needs_to_check = {"lib3mf": "lib3mf"}  # noqa: RUF012
     libraries = ("lib3mf",)
 
@@ -98,7 +98,7 @@ class ThreeMF(Format):
             used = list(dict.fromkeys(number for number, _, _ in plate))
             yield folder / plate_file(place), used, plate
 
-    def inspect(self, path: Path) -> FileReport:
+    def inspect(self, path: Path) -> SolidsReport:
         """Its meshes, and what they share where the build places them."""
         content = read_threemf(path)
         found = [

@@ -23,6 +23,7 @@ BEAM: Final = Kind(
     color=(0.33, 0.36, 0.40),
     finish="matte",
     shown=(0.36, 0.42, 0.49),
+    form="bar",
 )
 
 

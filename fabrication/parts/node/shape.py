@@ -20,6 +20,7 @@ NODE: Final = Kind(
     title="Nodes",
     color=(0.80, 0.42, 0.16),
     finish="bright",
+    form="joint",
 )
 
 
