@@ -38,7 +38,8 @@ def unit_axes(axes: Floats | None, up: str) -> Floats | None:
     """Axes of length one, turned as the mesh; None where a vertex has none."""
     if axes is None:
         return None
-    length = np.linalg.norm(axes, axis=1)
+    with np.errstate(over="ignore"):  # an infinite length is none
+        length = np.linalg.norm(axes, axis=1)
     if not (np.isfinite(length) & (length > 0)).all():
         return None
     return upright(axes / length[:, None], up)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from ddgfab.errors import InputError
+from ddgfab.errors import InputError, clipped
 from ddgfab.io.atomic import atomic_write
 from fabrication.formats.base import Format, Whole
 from fabrication.formats.report import FileReport
@@ -40,8 +40,13 @@ class Csv(Format):
         """Read back: as many rows as the schedule has, each as wide as the header."""
         checks = []
         for name, rows in (whole.tables or {}).items():
-            with (folder / SCHEDULES / f"{name}.csv").open(encoding="utf-8", newline="") as file:
-                header, *found = list(csv.reader(file)) or [[]]
+            path = folder / SCHEDULES / f"{name}.csv"
+            try:
+                with path.open(encoding="utf-8", newline="") as file:
+                    header, *found = list(csv.reader(file)) or [[]]
+            except (OSError, ValueError, csv.Error) as error:
+                checks.append(Check(f"csv {name} readable", False, clipped(error)))
+                continue
             whole_rows = header == columns_of(rows) and all(len(r) == len(header) for r in found)
             right = whole_rows and len(found) == len(rows)
             checks.append(Check(f"csv {name} rows", right, float(len(found)), float(len(rows))))

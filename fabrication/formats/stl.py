@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
+from ddgfab.io.regular import read_regular
 from ddgfab.mesh import Floats
+from ddgfab.tolerances import COORDINATE_LIMIT
 from fabrication.checks.mesh import measure_mesh
 from fabrication.formats.base import About, Format, Part
 from fabrication.formats.solids import SolidsReport, mesh_report
@@ -18,6 +20,9 @@ from fabrication.specs import Check, TriangleMesh
 
 _RECORD: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _HEADER: Final = 80
+
+LIMIT_BYTES: Final = 256 * 1024 * 1024
+"""Larger files are refused."""
 
 STL_ROUNDING: Final = 2.0**-23
 """Greatest rounding of a coordinate in an STL (single precision), relative to its size."""
@@ -84,15 +89,13 @@ def read_stl(path: Path) -> TriangleMesh:
     InputError
         The file is missing, truncated, no STL, or holds coordinates that are not finite.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", file=str(path)) from error
+    data = read_regular(path, LIMIT_BYTES, InputError, what="an STL file", advice="split the body")
     corners = _binary(data)
     if corners is None:
         corners = _text(data, path)
-    if not np.isfinite(corners).all():
-        raise InputError("the STL holds a coordinate that is not finite", file=str(path))
+    if not (np.abs(corners) <= COORDINATE_LIMIT).all():
+        text = f"the STL holds a coordinate that is not finite, or beyond {COORDINATE_LIMIT:g}"
+        raise InputError(text, file=str(path))
     return weld(corners)
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import io
 import os
 import re
+import struct
 import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any, Final
 
-from ddgfab.errors import OutputError
+from ddgfab.errors import OutputError, clipped
 from ddgfab.io.atomic import atomic_write
 from fabrication.formats.base import Format, Whole
 from fabrication.formats.tables import SCHEDULES, Row, columns_of, decimals, plain
@@ -22,6 +24,11 @@ WORKBOOK: Final = f"{SCHEDULES}/schedule.xlsx"
 
 _EPOCH: Final = datetime(2000, 1, 1)  # written as the creation date unless SOURCE_DATE_EPOCH is set
 _WIDEST: Final = 40
+_UNREADABLE: Final = (
+    *(OSError, zipfile.BadZipFile, zlib.error, KeyError, ValueError, EOFError),
+    *(NotImplementedError, RuntimeError, struct.error),
+)
+"""What an archive that is damaged comes to."""
 
 
 class Xlsx(Format):
@@ -46,15 +53,17 @@ class Xlsx(Format):
     def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
         """Read back: a sheet a schedule with as many rows, and its header."""
         checks = []
-        with zipfile.ZipFile(folder / WORKBOOK) as book:
-            for place, (name, rows) in enumerate((whole.tables or {}).items(), 1):
-                sheet = book.read(f"xl/worksheets/sheet{place}.xml")
-                found = len(re.findall(rb"<row ", sheet))
-                # A schedule without rows may have no columns, and then no header either.
-                wanted = len(rows) + 1 if rows else min(found, 1)
-                checks.append(
-                    Check(f"xlsx {name} rows", found == wanted, float(found), float(wanted))
-                )
+        for place, (name, rows) in enumerate((whole.tables or {}).items(), 1):
+            try:
+                with zipfile.ZipFile(folder / WORKBOOK) as book:
+                    sheet = book.read(f"xl/worksheets/sheet{place}.xml")
+            except _UNREADABLE as error:
+                checks.append(Check(f"xlsx {name} readable", False, clipped(error)))
+                continue
+            found = len(re.findall(rb"<row ", sheet))
+            # A schedule without rows may have no columns, and then no header either.
+            wanted = len(rows) + 1 if rows else min(found, 1)
+            checks.append(Check(f"xlsx {name} rows", found == wanted, float(found), float(wanted)))
         return checks
 
 

@@ -7,6 +7,7 @@ often read, and has to be a sound mesh then.
 
 from __future__ import annotations
 
+import copy
 import json
 import random
 import re
@@ -236,11 +237,11 @@ def changed_json(text: str, rng: random.Random) -> str:
             except (KeyError, IndexError):
                 holder[key] = None
         elif kind == 3:
-            holder[key] = [holder[key]] * rng.choice((0, 1, 2, 50))
+            holder[key] = [holder[key]] * rng.choice((0, 1, 2, 20))
         elif kind == 4 and isinstance(holder[key], int | float):
             holder[key] = holder[key] * rng.choice((-1, 0, 1 + 1e-9, 1e9))
         else:
-            holder[key] = rng.choice(VALUES)
+            holder[key] = copy.deepcopy(rng.choice(VALUES))
     try:
         return json.dumps(tree)
     except ValueError:  # more digits than Python writes

@@ -3,16 +3,44 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
+import export_files
 import kills
+import mesh_files
+import projects
 import pytest
 import step_files
+import structures
+from watch import Watch, limited
 
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(os.name != "posix", reason="kills and limits of processes are POSIX's"),
 ]
+
+
+@pytest.mark.parametrize(
+    ("attack", "seeds", "least"),
+    [
+        (mesh_files.attack, range(400), 80),
+        (projects.attack, range(300), 60),
+        (export_files.attack, range(210), 100),
+        (structures.attack, range(3), 3),
+    ],
+    ids=["meshes", "projects", "exports", "structures"],
+)
+@pytest.mark.filterwarnings("error")
+def test_inputs_that_are_changed_end_with_a_result_or_a_message(
+    attack: Callable[[Watch, int, Path], None], seeds: range, least: int, tmp_path: Path
+) -> None:
+    watch = Watch()
+    with limited():
+        for seed in seeds:
+            attack(watch, seed, tmp_path)
+    assert watch.bad == []
+    assert watch.outcomes["passed"] >= least
 
 
 def test_damaged_step_files_end_with_a_message(tmp_path: Path) -> None:

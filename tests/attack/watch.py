@@ -50,7 +50,7 @@ class Watch:
         self.slowest = (0.0, "none")
         self.calls = 0
 
-    def call(self, name: object, function: Callable[[], Any]) -> Any:
+    def call(self, name: object, function: Callable[[], Any], seconds: float = SECONDS) -> Any:
         """What a function gives; None where it raised. `name` tells a bad case: a seed."""
         if self.calls % 1000 == 0:
             faulthandler.dump_traceback_later(DEAF, exit=True)
@@ -58,7 +58,7 @@ class Watch:
         begin = time.process_time()
         result = None
         try:
-            signal.setitimer(signal.ITIMER_PROF, SECONDS)
+            signal.setitimer(signal.ITIMER_PROF, seconds)
             try:
                 result = function()
             finally:
@@ -67,7 +67,7 @@ class Watch:
         except DdgError as error:
             kind = "refused" if said_well(str(error)) else f"WRONG message at {name}: {error!r}"
         except TooLongError:
-            kind = f"SLOW: more than {SECONDS} s at {name}"
+            kind = f"SLOW: more than {seconds} s at {name}"
         except KeyboardInterrupt:
             raise
         except AssertionError as error:

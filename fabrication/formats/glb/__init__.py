@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -86,8 +87,8 @@ class Glb(Format):
         content = read_glb(path)
         place = {id(mesh): k for k, (_, mesh) in enumerate(content.meshes)}
         standing = [(place[id(p.mesh)], p.name, p.placement) for p in content.pieces]
-        used = [k for k, _, _ in standing]
-        meshes = [(name, used.count(k), mesh) for k, (name, mesh) in enumerate(content.meshes)]
+        used = Counter(k for k, _, _ in standing)
+        meshes = [(name, used[k], mesh) for k, (name, mesh) in enumerate(content.meshes)]
         return mesh_report(path, "GLB", "meter", meshes, standing)
 
 

@@ -10,7 +10,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from ddgfab.errors import InputError
+from ddgfab.errors import InputError, clipped
+from ddgfab.io.regular import read_regular
 from ddgfab.mesh import Floats
 from fabrication.formats.stl import weld
 from fabrication.specs import Placement, TriangleMesh
@@ -19,6 +20,18 @@ _Z_UP: Final = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # glTF's axes (y 
 _MILLIMETERS: Final = 1000.0
 _TYPES: Final = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _TRIANGLES: Final = 4
+
+LIMIT_BYTES: Final = 256 * 1024 * 1024
+"""Larger files are refused."""
+
+FARTHEST: Final = 1e15
+"""Greatest entry of a placement [1 and mm]; beyond, volumes may overflow."""
+
+_UNREADABLE: Final = (
+    *(struct.error, ValueError, KeyError, IndexError, TypeError, AttributeError),
+    *(RecursionError, OverflowError, FloatingPointError),
+)
+"""What values of wrong types in the file's JSON come to."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +65,7 @@ def read_glb(path: Path) -> ContentGLB:
         Missing, no GLB, or truncated; or it holds what is not read: other primitives than indexed
         triangles, compressed, sparse or external data.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", file=str(path)) from error
+    data = read_regular(path, LIMIT_BYTES, InputError, what="a GLB file", advice="split the model")
     try:
         magic, version, total = struct.unpack_from("<4sII", data)
         if magic != b"glTF" or version != 2 or total != len(data):
@@ -64,14 +74,15 @@ def read_glb(path: Path) -> ContentGLB:
         document = json.loads(data[20 : 20 + size])
         binary = data[28 + size :]
         meshes = [
-            (mesh.get("name", ""), _mesh(document, binary, mesh))
+            (str(mesh.get("name", "")), _mesh(document, binary, mesh))
             for mesh in document.get("meshes", ())
         ]
-        pieces: list[Piece] = []
-        for root in document["scenes"][document.get("scene", 0)]["nodes"]:
-            _walk(document, [mesh for _, mesh in meshes], root, np.eye(4), pieces)
-    except (struct.error, ValueError, KeyError, IndexError, RecursionError) as error:
-        raise InputError(f"not a readable GLB ({error!r})", file=str(path)) from error
+        scene = _item(document, "scenes", document.get("scene", 0))
+        pieces = _pieces(document, [mesh for _, mesh in meshes], scene)
+    except InputError:
+        raise
+    except _UNREADABLE as error:
+        raise InputError(f"not a readable GLB ({clipped(repr(error))})", file=str(path)) from error
     return ContentGLB(tuple(meshes), tuple(pieces))
 
 
@@ -85,38 +96,57 @@ def _mesh(document: dict[str, Any], binary: bytes, mesh: dict[str, Any]) -> Tria
         order = _array(document, binary, primitive["indices"], 1).ravel().astype(np.int64)
         corners.append(points[order].reshape(-1, 3, 3))
     metric = np.concatenate(corners).astype(np.float64) @ _Z_UP.T * _MILLIMETERS
+    if not np.isfinite(metric).all():
+        raise ValueError("a coordinate is not finite")
     return weld(metric)
+
+
+def _item(document: dict[str, Any], table: str, index: Any) -> Any:
+    """An entry of a table by its number, which is none from the end."""
+    if not isinstance(index, int) or index < 0:
+        raise ValueError(f"{clipped(index)} is no number of {table}")
+    return document[table][index]
 
 
 def _array(document: dict[str, Any], binary: bytes, index: int, width: int) -> Any:
     """(n, width) values of an accessor."""
-    accessor = document["accessors"][index]
-    view = document["bufferViews"][accessor["bufferView"]]
-    if "sparse" in accessor or document["buffers"][view["buffer"]].get("uri"):
+    accessor = _item(document, "accessors", index)
+    view = _item(document, "bufferViews", accessor["bufferView"])
+    if "sparse" in accessor or _item(document, "buffers", view["buffer"]).get("uri"):
         raise ValueError("sparse or external data are not read")
     kind = np.dtype(_TYPES[accessor["componentType"]])
     start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
     stride = view.get("byteStride", width * kind.itemsize)
+    if stride < width * kind.itemsize or start < 0 or (width == 1) == (kind.kind == "f"):
+        raise ValueError("values overlap, or are of the wrong kind")
     array: Any = np.ndarray(
         (accessor["count"], width), kind, binary, start, (stride, kind.itemsize)
     )
     return array
 
 
-def _walk(
-    document: dict[str, Any],
-    meshes: list[TriangleMesh],
-    index: int,
-    above: Placement,
-    pieces: list[Piece],
-) -> None:
-    """Collect the nodes below one that show a mesh."""
-    node = document["nodes"][index]
-    at = above @ _motion(node)
-    if "mesh" in node:
-        pieces.append(Piece(node.get("name", ""), meshes[node["mesh"]], at))
-    for child in node.get("children", ()):
-        _walk(document, meshes, child, at, pieces)
+def _pieces(
+    document: dict[str, Any], meshes: list[TriangleMesh], scene: dict[str, Any]
+) -> list[Piece]:
+    """The nodes of a scene that show a mesh, each node in one place (glTF 2.0, 3.5.1)."""
+    pieces, seen = [], set[int]()
+    left = [(index, np.eye(4)) for index in reversed(scene["nodes"])]
+    while left:
+        index, above = left.pop()
+        node = _item(document, "nodes", index)
+        if index in seen:
+            raise ValueError(f"node {index} stands in two places")
+        seen.add(index)
+        with np.errstate(over="ignore", invalid="ignore"):
+            at = above @ _motion(node)
+        if not (np.abs(at) <= FARTHEST).all():
+            raise ValueError(f"node {index} is placed beyond {FARTHEST:g} mm")
+        if "mesh" in node:
+            if not 0 <= node["mesh"] < len(meshes):
+                raise ValueError(f"node {index} shows a mesh that is not there")
+            pieces.append(Piece(str(node.get("name", "")), meshes[node["mesh"]], at))
+        left += [(child, at) for child in reversed(node.get("children", ()))]
+    return pieces
 
 
 def _motion(node: dict[str, Any]) -> Placement:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import io
+import struct
+import zipfile
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from ddgfab.errors import InputError
+from ddgfab.errors import InputError, clipped
+from ddgfab.io.regular import read_regular
 from ddgfab.mesh import Floats, Ints
 from fabrication.formats.threemf.write import DECIMALS, Body3MF
 from fabrication.specs import Check, Placement, TriangleMesh
@@ -19,6 +25,12 @@ SINGLE_ROUNDING: Final = 2.0**-23
 
 DECIMAL_MM: Final = 0.5 * 10.0**-DECIMALS
 """How far [mm] the writer may have rounded a coordinate."""
+
+LIMIT_BYTES: Final = 256 * 1024 * 1024
+"""Larger files are refused, also where they are larger when unpacked."""
+
+MOST_ITEMS, DEEPEST = 100_000, 50
+"""Bodies that are placed, and components in components: a few lines can name any number."""
 
 _UNITS: Final = {
     "MicroMeter": ("micron", 0.001),
@@ -65,8 +77,7 @@ def read_threemf(path: Path, *, strict: bool = True) -> Content3MF:
         text = f"reading 3MF needs lib3mf: pip install 'ddgfab[3mf]' ({error})"
         raise InputError(text, file=str(path)) from error
 
-    if not path.is_file():
-        raise InputError("no such file", file=str(path))
+    _require_small(path)
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")
     reader.SetStrictModeActive(strict)
@@ -77,15 +88,33 @@ def read_threemf(path: Path, *, strict: bool = True) -> Content3MF:
         while objects.MoveNext():
             found.append(objects.GetCurrentMeshObject())
         ids = [body.GetResourceID() for body in found]
-        items = tuple(_items(model, ids, factor))
+        items = tuple(islice(_items(model, ids, factor), MOST_ITEMS + 1))
+        if len(items) > MOST_ITEMS:
+            raise ValueError(f"more than {MOST_ITEMS} bodies are placed")
         bodies = tuple(Body3MF(body.GetName(), _mesh(body, factor)) for body in found)
         oriented = tuple(bool(body.IsManifoldAndOriented()) for body in found)
         warnings = tuple(reader.GetWarning(i)[1] for i in range(reader.GetWarningCount()))
-    except lib3mf.ELib3MFException as error:
-        raise InputError(f"not a readable 3MF file ({error})", file=str(path)) from error
-    used = [body for body, _, _ in items]
-    counts = tuple(used.count(body) for body in range(len(found)))
+    except (lib3mf.ELib3MFException, KeyError, ValueError) as error:
+        raise InputError(
+            f"not a readable 3MF file ({clipped(error, 200)})", file=str(path)
+        ) from error
+    used = Counter(body for body, _, _ in items)
+    counts = tuple(used[body] for body in range(len(found)))
     return Content3MF(unit, bodies, counts, items, oriented, warnings)
+
+
+def _require_small(path: Path) -> None:
+    """Raise unless it is an archive of moderate size, also unpacked: lib3mf has no such limits."""
+    data = read_regular(path, LIMIT_BYTES, InputError, what="a 3MF file", advice="split the model")
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError, struct.error) as error:
+        text = f"not a readable 3MF file (no archive: {clipped(error)})"
+        raise InputError(text, file=str(path)) from error
+    if size > LIMIT_BYTES:
+        text = f"{size} bytes when unpacked exceed the limit of {LIMIT_BYTES}; split the model"
+        raise InputError(text, file=str(path))
 
 
 def check_threemf(path: Path, expected: Sequence[tuple[str, TriangleMesh, int]]) -> list[Check]:
@@ -137,7 +166,11 @@ def _items(
     """Every mesh that the build places, through components too; motions in millimeters."""
     numbers = {key: number for number, key in enumerate(meshes)}
 
-    def place(body: Any, name: str, at: Placement) -> Iterator[tuple[int, str, Placement]]:
+    def place(
+        body: Any, name: str, at: Placement, depth: int = 0
+    ) -> Iterator[tuple[int, str, Placement]]:
+        if depth > DEEPEST:
+            raise ValueError(f"components in components, more than {DEEPEST} deep")
         number = numbers.get(body.GetResourceID())
         if number is not None:
             yield number, name or body.GetName(), at
@@ -148,7 +181,7 @@ def _items(
             motion = _motion(part.GetTransform(), factor)
             inner = part.GetObjectResource()
             own = f"{name} {inner.GetName()}".strip() if name else inner.GetName()
-            yield from place(inner, own, at @ motion)
+            yield from place(inner, own, at @ motion, depth + 1)
 
     build = model.GetBuildItems()
     while build.MoveNext():
