@@ -18,6 +18,7 @@ from fabrication.job.manifest import (
     part_record,
     read_manifest,
     write_manifest,
+    write_timings,
 )
 from fabrication.specs import Check
 
@@ -166,3 +167,9 @@ def test_file_records_match_sha256_of_the_files(tmp_path: Path) -> None:
     assert second["path"] == "b/x.txt"
     # FIPS 180-2, appendix B.1
     assert second["sha256"].startswith("ba7816bf8f01cfea414140de5dae2223")
+
+
+def test_timings_are_in_order_the_longest_first(tmp_path: Path) -> None:
+    write_timings(tmp_path / "timings.json", {"parts": 2.00004, "preview": 0.5, "reading": 31.0})
+    found = json.loads((tmp_path / "timings.json").read_text())
+    assert list(found.items()) == [("reading", 31.0), ("parts", 2.0), ("preview", 0.5)]

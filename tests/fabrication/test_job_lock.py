@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+import types
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -159,3 +160,28 @@ def test_files_that_another_removed_are_missed(tmp_path: Path) -> None:
         make_and(target, lambda folder: (folder / "parts" / "step" / "0.step").write_text("NEW 0"))
     assert cases.text_of(target) == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+@pytest.mark.parametrize("free", [True, False])
+def test_a_lock_of_windows_is_on_a_byte_that_nobody_reads(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, free: bool
+) -> None:
+    """Others must be able to read the owner, who stands in the first 4096 bytes."""
+    places = []
+
+    def locking(descriptor: int, mode: int, count: int) -> None:
+        places.append((os.lseek(descriptor, 0, os.SEEK_CUR), mode, count))
+        if not free:
+            raise OSError(errno.EACCES, "locked")
+
+    windows = types.SimpleNamespace(locking=locking, LK_NBLCK=2)
+    monkeypatch.setitem(sys.modules, "msvcrt", windows)
+    (tmp_path / "lock").write_text("{}")
+    descriptor = os.open(tmp_path / "lock", os.O_RDWR)
+    try:
+        assert lock_module._windows(descriptor) is free
+    finally:
+        os.close(descriptor)
+    ((place, mode, count),) = places
+    assert place > 4096
+    assert (mode, count) == (2, 1)

@@ -44,6 +44,13 @@ def test_safe_names_never_leave_their_folder(tmp_path: Path, text: str) -> None:
     assert safe_name(name) == name
 
 
+@pytest.mark.parametrize("letter", ["x", "é", "東"])
+def test_long_names_keep_what_fits(letter: str) -> None:
+    name = safe_name(500 * letter)
+    assert 180 - 10 < len(name.encode()) <= 180
+    assert set(name[:-9]) == {letter}
+
+
 def test_every_project_has_a_name_of_its_own() -> None:
     texts = ["東京", "大阪", "Дом", "dom", "???", "!!!", "é" * 200, "é" * 201, "unnamed", ""]
     names = [safe_name(text) for text in texts]

@@ -47,6 +47,16 @@ def test_a_clash_is_listed_once_under_both_marks() -> None:
     assert [mark for mark, _ in found[0].parts] == ["B-0000/N-0000", "B-0001/N-0000"]
 
 
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_parts_are_counted_in_the_singular_and_the_plural(count: int) -> None:
+    marks = [f"B-{k:04d}" for k in range(count)]
+    roles: dict[str, str] = dict.fromkeys(marks, "beam")
+    (problem,) = problems_of(roles, [(m, Check("lean_deg", False, 31.0, 30.0)) for m in marks])
+    noun = "1 beam " if count == 1 else f"{count} beams "
+    assert noun in str(problem)
+    assert noun in problem.short().replace(",", " ")
+
+
 def test_a_name_is_never_taken_apart() -> None:
     """A check may have " to " in its name without being one between two pieces."""
     found = problems_of(ROLES, [("B-0000", Check("file open to readers", False, 1.0, 2.0))])
