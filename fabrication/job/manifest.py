@@ -197,9 +197,9 @@ def write_run(path: Path, sources: Mapping[str, Any], seconds: Mapping[str, floa
     """
     ordered = sorted(seconds.items(), key=lambda item: -item[1])
     record = {"made_from": sources, "seconds": {step: round(float(t), 4) for step, t in ordered}}
-    text = json.dumps(record, indent=1, ensure_ascii=False)
+    text = json.dumps(record, indent=1)  # escaped, since names of files need not be UTF-8
     with atomic_write(path) as file:
-        file.write(f"{text}\n".encode("utf-8", "surrogatepass"))
+        file.write(f"{text}\n".encode("ascii"))
 
 
 def manifest_text(manifest: Mapping[str, Any]) -> str:

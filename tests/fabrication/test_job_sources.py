@@ -175,3 +175,18 @@ def test_by_command_and_from_python(tmp_path: Path, monkeypatch: Any) -> None:
     assert record is not None
     assert record["input"]["file"] == "../../a/roof.obj"
     assert str(tmp_path) not in json.dumps(record)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="file names are Unicode there")
+def test_a_name_that_is_not_utf_8_is_a_record_too(tmp_path: Path) -> None:
+    name = os.fsdecode(b"r\xe9of.obj")
+    for place in ("a", "b"):
+        (tmp_path / place).mkdir()
+        try:
+            (tmp_path / place / name).write_text(place)
+        except OSError:
+            pytest.skip("this file system takes UTF-8 names only")
+    job(tmp_path / "out", "one", Sources(None, tmp_path / "a" / name))
+    json.loads((tmp_path / "out" / "run.json").read_bytes())
+    with pytest.raises(OtherProjectError):
+        job(tmp_path / "out", "two", Sources(None, tmp_path / "b" / name))
