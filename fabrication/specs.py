@@ -168,6 +168,23 @@ class Check:
     other: str | None = None
 
 
+@dataclass(frozen=True)
+class Mate:
+    """Holes that a bolt goes through.
+
+    mark : of the bolt
+    point, axis : of the bolt's axis, where the assembly has it [mm]; the axis is a unit vector
+    span : from where to where along it, from the point [mm], the holes must agree
+    holes : marks of pieces, and the diameters [mm] of their holes
+    """
+
+    mark: str
+    point: tuple[float, ...]
+    axis: tuple[float, ...]
+    span: tuple[float, float]
+    holes: tuple[tuple[str, float], ...]
+
+
 def rejected(pieces: Iterable[Piece]) -> frozenset[str]:
     """Marks of the pieces beyond a limit."""
     return frozenset(p.mark for p in pieces if not all(check.passed for check in p.checks))

@@ -10,7 +10,7 @@ as their meshes are off are measured again on finer ones.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
@@ -70,6 +70,7 @@ def check_assembly(
     tolerance: float = TOUCH,
     overlap: float = ROUNDING_MM,
     finer: Finer | None = None,
+    mounted: Collection[frozenset[str]] = frozenset(),
 ) -> dict[str, list[Check]]:
     """The clearance checks of every piece, by mark.
 
@@ -89,6 +90,7 @@ def check_assembly(
     overlap : depth [mm] up to which two meshes that overlap are taken to touch; by default that
         of rounding, as if the meshes were the parts themselves
     finer : where meshes stand for curved faces: gives finer ones, for pairs nearer than `tolerance`
+    mounted : marks of two pieces each that belong into one another, as a bolt and its nut: left out
 
     Raises
     ------
@@ -96,7 +98,13 @@ def check_assembly(
         A mesh is no closed manifold.
     """
     report = examine_assembly(
-        families, meshes, clearances, tolerance=tolerance, overlap=overlap, finer=finer
+        families,
+        meshes,
+        clearances,
+        tolerance=tolerance,
+        overlap=overlap,
+        finer=finer,
+        mounted=mounted,
     )
     checks: dict[str, list[Check]] = {}
     for clash in report.clashes:
@@ -120,6 +128,7 @@ def examine_assembly(
     tolerance: float = TOUCH,
     overlap: float = ROUNDING_MM,
     finer: Finer | None = None,
+    mounted: Collection[frozenset[str]] = frozenset(),
 ) -> AssemblyReport:
     """Find every pair of pieces that is nearer than its clearance; see `check_assembly`."""
     pieces = [(i, instance) for i, f in enumerate(families) for instance in f.instances]
@@ -131,6 +140,10 @@ def examine_assembly(
     roles = list(dict.fromkeys(family.role for family in families))
     limits = _limits(clearances, roles)
     pairs = near_pairs(supports, owner, placements, float(limits.max()) + tolerance)
+    marks = [instance.mark for _, instance in pieces]
+    if mounted:
+        keep = [frozenset((marks[a], marks[b])) not in mounted for a, b in pairs.tolist()]
+        pairs = pairs[np.array(keep, dtype=np.bool_)]
     role = np.array([roles.index(family.role) for family in families])[owner]
     needed = limits[role[pairs[:, 0]], role[pairs[:, 1]]]
     gaps = separations(supports, owner, placements, pairs, needed)
@@ -150,7 +163,6 @@ def examine_assembly(
         over[pair] = found < 0
         gaps[pair] = found if found < 0 else max(gaps[pair], 0.0)
     short = np.flatnonzero((gaps < needed - tolerance) | over)
-    marks = [instance.mark for _, instance in pieces]
     clashes = tuple(
         Clash((marks[pairs[p, 0]], marks[pairs[p, 1]]), float(gaps[p]), float(needed[p]))
         for p in short

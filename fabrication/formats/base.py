@@ -16,6 +16,7 @@ from fabrication.specs import (
     Color,
     Family,
     Kind,
+    Mate,
     Placement,
     Properties,
     Shape,
@@ -140,6 +141,7 @@ class Whole:
     tables : schedules by name, as rows
     plates : for each print plate, what stands where on it
     problems : what failed, a line each; empty but for formats that are reports
+    mates : holes that must have one axis
     """
 
     about: About
@@ -150,6 +152,7 @@ class Whole:
     tables: Mapping[str, Sequence[Row]] | None = None
     plates: Sequence[Sequence[Standing]] = ()
     problems: tuple[str, ...] = ()
+    mates: Sequence[Mate] = ()
 
     def standing(self) -> Iterator[Standing]:
         """All pieces that are put together."""

@@ -20,6 +20,7 @@ from ddgfab.suggest import suggestion
 from ddgfab.support import SupportStructure
 from fabrication.families import families
 from fabrication.gridshell.axes import node_axes, notes_on_axes
+from fabrication.gridshell.bolt_lists import marks_of
 from fabrication.gridshell.detailing.gridshell import Gridshell, detail
 from fabrication.gridshell.given import Source, given_mesh, with_axes
 from fabrication.gridshell.load import load_project, make_project, project_for_mesh
@@ -80,7 +81,7 @@ class Design:
         """
         beyond = rejected(self.gridshell.pieces)
         tables = schedules(self.gridshell, self.families)
-        return {name: table.with_status(beyond) for name, table in tables.items()}
+        return {name: table.with_status(beyond, marks_of) for name, table in tables.items()}
 
     @property
     def beams(self) -> Table:
@@ -222,7 +223,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     start("detail")
     gridshell = detail(net.mesh, support, project)
     net = replace(net, notes=(*net.notes, *_unlikely(project, net.mesh, gridshell)))
-    grouped = families(gridshell.pieces, project.checks.family_tolerance_mm)
+    grouped = families(gridshell.pieces, gridshell.family_tolerance)
     stop("detail")
     return Design(project, net, measures, support, gridshell, grouped, seconds, optimized)
 

@@ -67,6 +67,14 @@ def _project(values: Mapping[str, Any], file: Path | None, origin: Origin) -> Pr
     if KIT in values:
         raise origin.error("[linkage] is for a kit: ddgfab linkage", KIT)
     sections = sections_in(values, Project, origin)
+    for section in ("beam", "node"):
+        if "bolt" in sections.get(section, {}):
+            raise origin.error(
+                f"[{section}] bolt is no setting: beam and node are joined by one rule, "
+                '[connection] kind = "stud" with bolt = "M12", or kind = "welded" without holes',
+                section,
+                "bolt",
+            )
     if "net" not in sections:
         raise origin.error('a project needs [net] kind = "mesh", file = "..."')
     try:

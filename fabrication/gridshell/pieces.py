@@ -8,7 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ddgfab.mesh import Floats
+from fabrication.gridshell.detailing.connections.base import Mounted
 from fabrication.parts.beam import BEAM
+from fabrication.parts.fastener import FASTENER, FastenerShape
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL, PanelShape
 from fabrication.specs import Check, Kind, Placement, Shape
@@ -43,6 +45,7 @@ class Beam:
 
     roll : angle [rad] about the beam's x axis from its z axis to the node axis, at start and end;
         0 without torsion, otherwise half of it to either side
+    offsets : from the node axes to the cuts, along the datum of the profile [mm], at start and end
     """
 
     mark: str
@@ -57,6 +60,7 @@ class Beam:
     kind: Kind = field(default=BEAM, init=False)
     checks: tuple[Check, ...] = ()
     roll: tuple[float, float] = (0.0, 0.0)
+    offsets: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,4 +92,42 @@ class Panel:
     shape: PanelShape
     placement: Placement
     kind: Kind = field(default=PANEL, init=False)
+    checks: tuple[Check, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Bolt:
+    """A bolt or stud with its nut and washers, and the holes that it goes through.
+
+    mark : its name, "J-0000"
+    node, beam : marks of what it joins
+    end : 0 at the start of the mesh edge, 1 at its end
+    point, axis : (3,) where its axis meets the seat of the node [mm], and its unit direction from
+        the node outwards
+    mounted : the fasteners, from the node outwards
+    holes : marks and diameters [mm] of the holes on the axis
+    grip, thread : what it clamps, and the complete thread in the node [mm]
+    """
+
+    mark: str
+    node: str
+    beam: str
+    end: int
+    point: Floats
+    axis: Floats
+    mounted: tuple[Mounted, ...]
+    holes: tuple[tuple[str, float], ...]
+    grip: float
+    thread: float
+
+
+@dataclass(frozen=True, eq=False)
+class FastenerPiece:
+    """A fastener as a part of the structure: the mark of its bolt's row, and where it sits."""
+
+    mark: str
+    bolt: str
+    shape: FastenerShape
+    placement: Placement
+    kind: Kind = field(default=FASTENER, init=False)
     checks: tuple[Check, ...] = ()

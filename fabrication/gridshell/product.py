@@ -14,6 +14,7 @@ from fabrication.formats.glb import MODEL
 from fabrication.formats.step.format import ASSEMBLY
 from fabrication.formats.tables import SCHEDULES
 from fabrication.formats.xlsx import WORKBOOK
+from fabrication.gridshell.bolt_lists import marks_of, mates_of, mounted_pairs
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.detailing.clearance import PANEL_CLEARANCE
 from fabrication.gridshell.remedies import remedies
@@ -22,11 +23,13 @@ from fabrication.job.problems import Problem
 from fabrication.job.product import Product
 from fabrication.job.whole import PREVIEW
 from fabrication.parts.beam import BEAM
+from fabrication.parts.fastener import FASTENER
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
 from fabrication.pictures.change import write_change
 from fabrication.solids import mesh_of
-from fabrication.specs import Check, Family, Role, TriangleMesh
+from fabrication.specs import Check, Family, Mate, Role, TriangleMesh
+from fabrication.standards.fasteners import steel_density
 from fabrication.table import Table
 
 CHORD_MM: Final = 0.05
@@ -62,6 +65,7 @@ class GridshellProduct(Product):
             BEAM.role: Material("Steel", project.beam.density),
             NODE.role: Material("Steel", project.node.density),
             PANEL.role: Material("Glass", project.panel.density),
+            FASTENER.role: Material("Steel", steel_density()),
         }[role]
 
     def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
@@ -76,7 +80,17 @@ class GridshellProduct(Product):
             clearances(self.design),
             tolerance=2 * CHORD_MM,
             finer=lambda family, chord: mesh_of(family.shape, chord),
+            mounted=mounted_pairs(self.design.gridshell),
         )
+
+    def marks_of(self, row: Mapping[str, Any]) -> Sequence[str]:
+        """See `bolt_lists.marks_of`; of a part number, all its pieces."""
+        return marks_of(row) or super().marks_of(row)
+
+    @property
+    def mates(self) -> Sequence[Mate]:
+        """The holes of every bolt whose beam and node are put together."""
+        return mates_of(self.design.gridshell.bolts)
 
     def _within_limits(self) -> list[Family]:
         """Families of pieces that passed their limits: all pieces of a family pass, or none."""

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field, field_validator, model_validator
 
 from ddgfab.suggest import suggestion
+from fabrication.gridshell.detailing.connections import registry as connections
 from fabrication.gridshell.detailing.nodes import registry as nodes
 from fabrication.gridshell.net_settings import (
     GeneralSettings,
@@ -30,12 +31,11 @@ from fabrication.project.sections import (
     Verify,
 )
 from fabrication.specs import Profile
-from fabrication.standards import bolt_hole, density, polygon, profile, stock_size
+from fabrication.standards import density, polygon, profile, stock_size
+from fabrication.standards.fasteners import BoltSize
 
 EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
 """The built-in example."""
-
-BoltSize = Literal["none", "M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
 
 
 def _section(value: str | list[list[float | int]]) -> Profile:
@@ -52,7 +52,6 @@ class BeamSettings(Section):
     eccentricity_mm : the profile's datum (top center) above the mesh edge, in the plane pi(e)
     end : "flat" (a plane parallel to the node axis) or "cope" (the node's cylinder)
     clearance_mm : between the cut and the node; 0.5 leaves room for paint and length tolerance
-    bolt : a cross hole near each end for this bolt, or "none"
     min_length_mm : least length between the cuts
     density : kg/m3; default steel, EN 1991-1-1
     """
@@ -61,7 +60,6 @@ class BeamSettings(Section):
     eccentricity_mm: Finite = 0.0
     end: Literal["flat", "cope"] = "flat"
     clearance_mm: NotNegative = 0.5
-    bolt: BoltSize = "none"
     min_length_mm: Positive = 100.0
     density: Positive = density("steel")
 
@@ -89,7 +87,6 @@ class NodeSettings(Section):
     arm_clearance_mm : land left between neighbouring arms (seats) at the cylinder
     margin_mm, top_margin_mm : how far a node reaches below and above its arms' end faces
     height_step_mm : top and bottom are rounded outwards to multiples of it
-    bolt : a radial hole for each arm, or "none"
     density : kg/m3; default steel, EN 1991-1-1
     """
 
@@ -102,7 +99,6 @@ class NodeSettings(Section):
     margin_mm: NotNegative = 5.0
     top_margin_mm: NotNegative = 0.5
     height_step_mm: Positive = 1.0
-    bolt: BoltSize = "none"
     density: Positive = density("steel")
 
     @classmethod
@@ -121,6 +117,57 @@ class NodeSettings(Section):
     def _own_keys(self) -> NodeSettings:
         for key in sorted(self.changed() - {"kind"}):
             if (kinds := nodes.kinds_of(key)) and self.kind not in kinds:
+                shown = " or ".join(f'"{kind}"' for kind in kinds)
+                raise ValueError(f'{key} is for kind = {shown}, not for "{self.kind}"')
+        return self
+
+
+class ConnectionSettings(Section):
+    """[connection]: how beams are joined to nodes.
+
+    Attributes
+    ----------
+    kind : "welded" (the end on the seat, no holes) or "stud" (a thread in the node, a plate or
+        solid end of the beam on the same axis, an opening to tighten it)
+    weld_mm : throat thickness of the fillet weld, 3 or more (EN 1993-1-8, 4.5.2): of beams to
+        nodes, or of plates to hollow sections
+    bolt : size of studs and bolts
+    fastener : "stud" (DIN 976-1, with a nut) or "bolt" (ISO 4017) through the plate
+    plate_mm : thickness of the plate, or of a solid end; "auto": the bolt's diameter or more, in
+        steps of 5 mm
+    thread_mm : complete thread in the node; "auto": 1.5 bolt diameters where there is room, at
+        least 1; through the wall of a tube
+    fasteners : whether studs, bolts, nuts and washers are parts, with files, in the assembly
+    """
+
+    kind: str = "welded"
+    weld_mm: Annotated[float, Field(ge=3.0, le=50.0)] = 4.0
+    bolt: BoltSize = "M12"
+    fastener: Literal["stud", "bolt"] = "stud"
+    plate_mm: Literal["auto"] | Positive = "auto"
+    thread_mm: Literal["auto"] | Positive = "auto"
+    fasteners: bool = False
+
+    @classmethod
+    def choices(cls) -> Mapping[str, Sequence[str]]:
+        """The kinds by name."""
+        return {"kind": connections.names()}
+
+    @field_validator("kind")
+    @classmethod
+    def _known(cls, value: str) -> str:
+        if value not in connections.names():
+            raise ValueError(f'"{value}" is unknown; {suggestion(value, connections.names())}')
+        return value
+
+    @model_validator(mode="after")
+    def _own_keys(self) -> ConnectionSettings:
+        changed = self.changed() - {"kind", "weld_mm"}
+        if self.kind == "welded" and changed:
+            key = min(changed)
+            raise ValueError(f'{key} is for bolted connections, not for kind = "welded"')
+        for key in sorted(changed):
+            if (kinds := connections.kinds_of(key)) and self.kind not in kinds:
                 shown = " or ".join(f'"{kind}"' for kind in kinds)
                 raise ValueError(f'{key} is for kind = {shown}, not for "{self.kind}"')
         return self
@@ -198,6 +245,7 @@ class Project(Section):
     support: SupportSettings = SupportSettings()
     beam: BeamSettings = BeamSettings()
     node: NodeSettings = NodeSettings()
+    connection: ConnectionSettings = ConnectionSettings()
     panel: PanelSettings = PanelSettings()
     checks: CheckSettings = CheckSettings()
     output: OutputSettings = Field(default_factory=OutputSettings)
@@ -232,8 +280,3 @@ class Project(Section):
         return f"Project({self.name}: {source}, {self.beam.section().name}, {panels})"
 
     __str__ = __repr__
-
-
-def bolt_diameters(size: BoltSize) -> tuple[float, float] | None:
-    """Nominal diameter and clearance hole [mm], or None for "none"."""
-    return None if size == "none" else bolt_hole(size)

@@ -17,14 +17,17 @@ import numpy as np
 
 from ddgfab.mesh import Floats
 from fabrication.families import families as make_families
+from fabrication.gridshell.bolt_lists import bolt_tables
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.pieces import Beam, Node, Panel
 from fabrication.gridshell.project import Project
 from fabrication.parts.beam import BEAM
+from fabrication.parts.fastener import FASTENER
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL, PanelShape
 from fabrication.specs import Family, Instance, Kind
 from fabrication.standards import mass_kg
+from fabrication.standards.fasteners import steel_density
 from fabrication.table import Table
 
 Row: TypeAlias = dict[str, Any]
@@ -39,19 +42,19 @@ def schedules(
     families: Sequence[Family] | None = None,
     masses: Masses | None = None,
 ) -> dict[str, Table]:
-    """Tables "panels", "beams" and "nodes" of a gridshell.
+    """Tables "panels", "beams" and "nodes" of a gridshell, and of its bolts where it has any.
 
     Families are found, and masses computed from the shapes, where they are not given.
     """
     if families is None:
-        tolerance = gridshell.project.checks.family_tolerance_mm
-        families = make_families(gridshell.pieces, tolerance)
+        families = make_families(gridshell.pieces, gridshell.family_tolerance)
     if masses is None:
         masses = family_masses(families, gridshell.project)
     return {
         "panels": Table(panel_rows(gridshell, families, masses), name="panels"),
         "beams": Table(beam_rows(gridshell, families, masses), name="beams"),
         "nodes": Table(node_rows(gridshell, families, masses), name="nodes"),
+        **bolt_tables(gridshell, families),
     }
 
 
@@ -69,6 +72,7 @@ def family_masses(families: Sequence[Family], project: Project) -> dict[str, flo
         BEAM.role: project.beam.density,
         NODE.role: project.node.density,
         PANEL.role: project.panel.density,
+        FASTENER.role: steel_density(),
     }
     return {
         family.number: mass_kg(volume_of(family.shape), density[family.role]) for family in families
@@ -123,8 +127,10 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
     for family, instance in _instances(families, BEAM):
         beam = pieces[instance.mark]
         nodes, panels, roll = beam.nodes, beam.panels, np.degrees(beam.roll).tolist()
+        offsets = beam.offsets
         if _relative(beam, instance)[0, 0] < 0:  # turned end for end
             nodes, panels, roll = nodes[::-1], panels[::-1], [-roll[1], -roll[0]]
+            offsets = offsets[::-1]
         torsion = (
             {
                 "skew_start_deg": 0.0,
@@ -151,6 +157,10 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             "mass_kg": masses[family.number],
             "panel_left": panels[0],
             "panel_right": panels[1],
+            "offset_start_mm": offsets[0],
+            "offset_end_mm": offsets[1],
+            "connection": gridshell.joined.kind,
+            "weld_mm": gridshell.joined.weld,
         }
         rows[beam.mark] = {**row, **family.shape.dimensions()}
     return [rows[beam.mark] for beam in gridshell.beams]

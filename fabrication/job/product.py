@@ -12,7 +12,7 @@ from fabrication.formats.registry import find
 from fabrication.job.problems import Problem
 from fabrication.job.sources import Sources
 from fabrication.project.sections import OutputSettings, Verify
-from fabrication.specs import Check, Family, Piece, Role, TriangleMesh
+from fabrication.specs import Check, Family, Mate, Piece, Role, TriangleMesh
 from fabrication.table import Table
 
 
@@ -81,6 +81,11 @@ class Product(ABC):
     @property
     def plates(self) -> Sequence[Sequence[Standing]]:
         """For each print plate, what stands where on it."""
+        return ()
+
+    @property
+    def mates(self) -> Sequence[Mate]:
+        """Holes of the assembly that must have one axis."""
         return ()
 
     @property

@@ -212,6 +212,7 @@ class Steps:
             failed=failed,
             tables={n: t.with_status(failed, product.marks_of).rows for n, t in tables.items()},
             plates=product.plates,
+            mates=product.mates,
         )
 
     def _write(self, whole: Whole) -> dict[str, Future[Any]]:

@@ -12,7 +12,14 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from fabrication.boundary import Vec
-from fabrication.solids.builder import BoundaryBuilder, Coedges, add, principal_axes, scale
+from fabrication.solids.builder import (
+    BoundaryBuilder,
+    Coedges,
+    add,
+    opposite,
+    principal_axes,
+    scale,
+)
 from fabrication.solids.section import Segment
 
 Frame: TypeAlias = Callable[[float, float, float], Vec]
@@ -84,16 +91,70 @@ class End:
         first = segment.first - phi
         return builder.arc(ends, center, a, b, first, first + segment.turn)
 
-    def face(self, builder: BoundaryBuilder, frame: Frame, loops: Sequence[Sequence[int]]) -> None:
-        """The face that closes this end, bounded by loops seen from outside."""
+    def face(
+        self,
+        builder: BoundaryBuilder,
+        frame: Frame,
+        loops: Sequence[Sequence[int]],
+        *,
+        cavity: bool = False,
+    ) -> None:
+        """The face that closes this end, bounded by loops seen from outside.
+
+        Where the sweep is a cavity of the part, the face looks into it; only flat ends do.
+        """
         n = self.stretch
         normal = scale(frame(-self.skew, -self.slope, 1.0), self.outward / n)
         if self.radius is None:
-            builder.plane(normal, loops)
+            builder.plane(scale(normal, -1.0) if cavity else normal, loops)
             return
         origin = add(frame(0.0, 0.0, self.at), normal, self.radius)
         axis = scale(frame(0.0, 1.0, self.slope), 1.0 / n)
         builder.cylinder(origin, axis, scale(normal, -1.0), self.radius, -1.0, loops)
+
+
+def walls(
+    builder: BoundaryBuilder,
+    frame: Frame,
+    loop: Sequence[Segment],
+    start: End,
+    end: End,
+    holes: Mapping[int, Sequence[Coedges]],
+) -> tuple[Coedges, Coedges]:
+    """Side faces of a closed loop swept between two ends: of an outside, or of a hole (clockwise).
+
+    Parameters
+    ----------
+    holes : loops in the face of segment k, by k
+
+    Returns
+    -------
+    The loops that the faces at the start and at the end get, seen from outside.
+    """
+    axis = frame(0.0, 0.0, 1.0)
+    lower = [builder.point(frame(s.u0, s.v0, start.height(s.u0, s.v0))) for s in loop]
+    upper = [builder.point(frame(s.u0, s.v0, end.height(s.u0, s.v0))) for s in loop]
+    rails = [builder.line(p, q) for p, q in zip(lower, upper, strict=True)]
+    count = len(loop)
+    first = [
+        start.edge(builder, frame, s, (lower[k], lower[(k + 1) % count]))
+        for k, s in enumerate(loop)
+    ]
+    last = [
+        end.edge(builder, frame, s, (upper[k], upper[(k + 1) % count])) for k, s in enumerate(loop)
+    ]
+    for k, s in enumerate(loop):
+        around = [first[k], rails[(k + 1) % count], ~last[k], ~rails[k]]
+        inside = [around, *holes.get(k, ())]
+        if s.turn == 0.0:
+            length = math.hypot(s.u1 - s.u0, s.v1 - s.v0)
+            normal = frame((s.v1 - s.v0) / length, (s.u0 - s.u1) / length, 0.0)
+            builder.plane(normal, inside)
+        else:
+            middle = frame(math.cos(s.middle), math.sin(s.middle), 0.0)
+            sign = 1.0 if s.turn > 0.0 else -1.0
+            builder.cylinder(frame(*s.center, 0.0), axis, middle, s.radius, sign, inside)
+    return opposite(first), last
 
 
 def sweep(
@@ -111,32 +172,10 @@ def sweep(
     """
     first_loops: list[Coedges] = []
     last_loops: list[Coedges] = []
-    axis = frame(0.0, 0.0, 1.0)
     for i, loop in enumerate(loops):
-        lower = [builder.point(frame(s.u0, s.v0, start.height(s.u0, s.v0))) for s in loop]
-        upper = [builder.point(frame(s.u0, s.v0, end.height(s.u0, s.v0))) for s in loop]
-        rails = [builder.line(p, q) for p, q in zip(lower, upper, strict=True)]
-        count = len(loop)
-        first = [
-            start.edge(builder, frame, s, (lower[k], lower[(k + 1) % count]))
-            for k, s in enumerate(loop)
-        ]
-        last = [
-            end.edge(builder, frame, s, (upper[k], upper[(k + 1) % count]))
-            for k, s in enumerate(loop)
-        ]
-        for k, s in enumerate(loop):
-            around = [first[k], rails[(k + 1) % count], ~last[k], ~rails[k]]
-            inside = [around, *side_holes.get((i, k), ())]
-            if s.turn == 0.0:
-                length = math.hypot(s.u1 - s.u0, s.v1 - s.v0)
-                normal = frame((s.v1 - s.v0) / length, (s.u0 - s.u1) / length, 0.0)
-                builder.plane(normal, inside)
-            else:
-                middle = frame(math.cos(s.middle), math.sin(s.middle), 0.0)
-                sign = 1.0 if s.turn > 0.0 else -1.0
-                builder.cylinder(frame(*s.center, 0.0), axis, middle, s.radius, sign, inside)
-        first_loops.append([~coedge for coedge in reversed(first)])
+        own = {k: holes for (j, k), holes in side_holes.items() if j == i}
+        first, last = walls(builder, frame, loop, start, end, own)
+        first_loops.append(first)
         last_loops.append(last)
     start.face(builder, frame, first_loops)
     end.face(builder, frame, [*last_loops, *end_holes])

@@ -1,9 +1,6 @@
-"""Profiles, bolts, node stock, materials, printers: data files with sources, and their loaders."""
+"""Profiles, fasteners, node stock, materials, printers: data files with sources, loaders."""
 
 from fabrication.standards.data import (
-    bolt_end_distance,
-    bolt_hole,
-    bolt_least_distance,
     density,
     mass_kg,
     node_diameters,
@@ -14,9 +11,6 @@ from fabrication.standards.profiles import lying, polygon, profile
 
 __all__ = [
     "Printer",
-    "bolt_end_distance",
-    "bolt_hole",
-    "bolt_least_distance",
     "density",
     "lying",
     "mass_kg",

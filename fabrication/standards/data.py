@@ -7,8 +7,6 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Final
 
-from ddgfab.errors import ProjectError
-
 KG_PER_MM3: Final = 1e-9
 """A density [kg/m3] times this is in kg/mm3."""
 
@@ -17,30 +15,6 @@ KG_PER_MM3: Final = 1e-9
 def table(name: str) -> dict[str, Any]:
     """The data file ``fabrication/standards/<name>.toml`` as a dictionary."""
     return tomllib.loads(files(__package__).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
-
-
-def bolt_hole(size: str) -> tuple[float, float]:
-    """Nominal diameter and clearance hole [mm] of a bolt such as "M12" (ISO 273, medium).
-
-    Raises
-    ------
-    ProjectError
-        An unknown size; the known ones are listed.
-    """
-    sizes: dict[str, dict[str, float]] = table("bolts")["sizes"]
-    if size not in sizes:
-        raise ProjectError(f'there is no bolt "{size}"; known: {", ".join(sizes)}')
-    return sizes[size]["diameter"], sizes[size]["hole"]
-
-
-def bolt_end_distance(size: str) -> float:
-    """Usual distance [mm] from a hole's center to the end of the part."""
-    return float(table("bolts")["end_distance_factor"]) * bolt_hole(size)[1]
-
-
-def bolt_least_distance(size: str) -> float:
-    """Least distance [mm] from a hole's center to an edge of the part (EN 1993-1-8, table 3.3)."""
-    return float(table("bolts")["least_distance_factor"]) * bolt_hole(size)[1]
 
 
 def node_diameters(kind: str) -> tuple[float, ...]:

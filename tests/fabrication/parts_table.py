@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from fabrication.parts.beam import BeamShape, CrossHole, EndCut
+from fabrication.parts.beam import BeamShape, CrossHole, EndCut, StudEnd
 from fabrication.parts.coupon import CouponShape
+from fabrication.parts.fastener import FastenerShape, bolt, nut, stud, washer
 from fabrication.parts.link import LinkShape
 from fabrication.parts.node import NodeShape, RadialHole, ReferenceMark, Seat
 from fabrication.parts.panel import PanelShape
@@ -16,6 +17,7 @@ from fabrication.parts.pin import PinShape
 from fabrication.parts.ring import RingShape
 from fabrication.solids.text import Label
 from fabrication.specs import Loop, Profile, Shape
+from fabrication.standards.fasteners import fastener
 
 QUARTER = math.tan(math.pi / 8)  # bulge of a quarter circle
 
@@ -256,7 +258,37 @@ OTHERS: dict[str, tuple[PinShape | RingShape | CouponShape, int]] = {
     ),
 }
 
-EXACT: dict[str, tuple[Shape, int]] = {**BEAMS, **NODES, **PANELS, **LINKS, **OTHERS}
+THICK = Profile(
+    "FL 90x40", (polygon_loop([(-20, -90), (20, -90), (20, 0), (-20, 0)]),), width=40, depth=90
+)
+STUD = StudEnd(-45.0, 13.5, 15.0, 55.0, 39.6, 5.0)
+STUD_RHS = StudEnd(0.0, 13.5, 15.0, 55.0, 36.0, 5.0)
+M12 = fastener("M12")
+
+STUDS: dict[str, tuple[BeamShape | FastenerShape, int]] = {
+    "studs in a bar": (
+        BeamShape(THICK, EndCut(0.0, 0.12, stud=STUD), EndCut(1100.0, -0.3, stud=STUD)),
+        4,
+    ),
+    "stud and plain end": (
+        BeamShape(THICK, EndCut(0.0, 0.0, stud=STUD), EndCut(1100.0, 0.2), HOLES[1:]),
+        3,
+    ),
+    "studs in a tube": (
+        BeamShape(RHS, EndCut(10.0, 0.2, stud=STUD_RHS), EndCut(900.0, 0.0, stud=STUD_RHS)),
+        3,
+    ),
+    "plain end and stud in a tube": (
+        BeamShape(RHS, EndCut(10.0, 0.2), EndCut(900.0, -0.1, stud=STUD_RHS)),
+        2,
+    ),
+    "bolt": (bolt(M12, 45.0), 0),
+    "stud": (stud(M12, 55.0), 0),
+    "nut": (nut(M12), 1),
+    "washer": (washer(M12), 1),
+}
+
+EXACT: dict[str, tuple[Shape, int]] = {**BEAMS, **NODES, **PANELS, **LINKS, **OTHERS, **STUDS}
 
 TUBE = NodeShape(60.0, 50.0, -40.0, 45.0)
 

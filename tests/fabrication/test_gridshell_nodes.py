@@ -190,32 +190,33 @@ def test_lean_beyond_the_limit_is_a_failing_check() -> None:
     )
 
 
-def test_tube_walls_and_bolts() -> None:
+def test_tube_walls_and_threads() -> None:
     shell = vertical(grid(2, 2)).detail(
-        beam={"profile": "RHS 60x40x4"},
-        node={"kind": "tube", "wall_mm": 10, "bolt": "M12"},
+        beam={"profile": "RHS 80x60x4"},
+        node={"kind": "tube", "wall_mm": 30},
+        connection={"kind": "stud"},
         panel=NO_GLASS,
     )
     shape = shell.nodes[4].shape
-    assert shape.bore == shape.radius - 10
-    assert shape.seats[0].distance - shape.bore >= 2
+    assert shape.bore == shape.radius - 30
+    assert shape.seats[0].distance - shape.bore >= 12  # a thread as long as its diameter
     assert [hole.depth for hole in shape.holes] == [None] * 4
-    assert [hole.diameter for hole in shape.holes] == [13.5] * 4
-    assert [hole.z for hole in shape.holes] == [-30.0] * 4
+    assert [hole.diameter for hole in shape.holes] == [10.2] * 4
+    assert [hole.z for hole in shape.holes] == [-40.0] * 4
 
 
 def test_blind_holes_do_not_meet() -> None:
     shell = vertical(grid(2, 2)).detail(
-        beam={"profile": "RHS 60x40x4"},
-        node={"bolt": "M12", "min_diameter_mm": 80},
+        beam={"profile": "FL 80x40"},
+        connection={"kind": "stud"},
         panel=NO_GLASS,
     )
     shape = shell.nodes[4].shape
     for seat, hole in zip(shape.seats, shape.holes, strict=True):
         assert hole.depth is not None
         tip = seat.distance - hole.depth  # neighbours at 90 deg meet where the tip is d/2 away
-        assert 12 <= hole.depth <= 18
-        assert tip >= 13.5 / 2 + 3 - 1e-9
+        assert 12 + 3.5 <= hole.depth <= 18 + 3.5  # thread, and two pitches of run-out
+        assert tip >= 10.2 / 2 + 3 - 1e-9
 
 
 STAR = (0.0, 40.0, 115.0, 165.0, 245.0, 290.0)
@@ -234,10 +235,10 @@ def star(azimuths: tuple[float, ...], *, mirrored: bool) -> Case:
 
 
 def depths_of(case: Case) -> tuple[dict[int, float], float]:
-    """Depth [mm] of the apex's bolt hole towards each rim vertex, and its seats' distance."""
+    """Depth [mm] of the apex's tapped hole towards each rim vertex, and its seats' distance."""
     shell = case.detail(
-        beam={"profile": "RHS 50x25x3"},
-        node={"bolt": "M12"},
+        beam={"profile": "FL 80x40"},
+        connection={"kind": "stud"},
         panel=NO_GLASS,
     )
     node = shell.nodes[0]
@@ -251,11 +252,9 @@ def depths_of(case: Case) -> tuple[dict[int, float], float]:
 def test_blind_holes_heed_both_neighbours() -> None:
     """Two rays of width d at the angle phi leave each other at (d / 2) / tan(phi / 2)."""
     found, seat = depths_of(star(STAR, mirrored=False))
-    for k, azimuth in enumerate(STAR):
-        gaps = [min((azimuth - o) % 360, (o - azimuth) % 360) for o in STAR if o != azimuth]
-        rays = 13.5 / 2 / math.tan(math.radians(min(gaps)) / 2)
-        assert found[k + 1] == pytest.approx(min(18.0, seat - rays - 3.0))
-    assert len({round(depth, 6) for depth in found.values()}) > 1
+    gaps = [min((a - o) % 360, (o - a) % 360) for a in STAR for o in STAR if o != a]
+    room = seat - 10.2 / 2 / math.tan(math.radians(min(gaps)) / 2) - 3.0
+    assert set(found.values()) == {min(18.0 + 3.5, math.floor(2 * room) / 2)}
 
 
 def test_a_reflected_node_has_the_same_holes() -> None:
@@ -269,10 +268,21 @@ def test_a_reflected_node_has_the_same_holes() -> None:
 @pytest.mark.parametrize(
     ("sections", "words"),
     [
-        ({"node": {"bolt": "M12"}}, ["13.5 mm", "wider than the seats (8 mm"]),
         (
-            {"beam": {"profile": "RHS 60x40x4"}, "node": {"bolt": "M24", "diameter_mm": 70}},
-            ["M24 needs 24 mm", "N-0000"],
+            {
+                "beam": {"profile": "FL 80x40"},
+                "node": {"diameter_mm": 60},
+                "connection": {"kind": "stud"},
+            },
+            ["N-0001: the hole for beam B-0002", "M12 needs 15.5", "diameter_mm = 65"],
+        ),
+        (
+            {
+                "beam": {"profile": "FL 80x40"},
+                "node": {"kind": "tube", "wall_mm": 15, "diameter_mm": 88.9},
+                "connection": {"kind": "stud"},
+            },
+            ["N-0000: the thread for beam B-0000 has", "M12 needs 12 mm", "wall_mm = 1"],
         ),
         ({"node": {"kind": "tube", "wall_mm": 30, "diameter_mm": 50}}, ["no bore left"]),
         (

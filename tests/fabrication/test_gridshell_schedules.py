@@ -29,6 +29,7 @@ PANEL += ["width_mm", "height_mm", "planarity_mm", "planarity_class"]
 BEAM = ["mark", "number", "edge", "node_start", "node_end", "profile", "length_axis_mm"]
 BEAM += ["length_cut_mm", "mitre_start_deg", "mitre_end_deg", "torsion_deg", "mass_kg"]
 BEAM += ["panel_left", "panel_right"]
+BEAM += ["offset_start_mm", "offset_end_mm", "connection", "weld_mm"]
 NODE = ["mark", "number", "vertex", "valence", "x_mm", "y_mm", "z_mm"]
 NODE += ["axis_x", "axis_y", "axis_z", "diameter_mm", "height_mm", "mass_kg"]
 
@@ -204,7 +205,7 @@ def test_tables_filter_sort_and_add_columns() -> None:
     priced = rim.with_column("price", lambda row: 2 * row["mass_kg"])
     assert priced.columns == [*table.columns, "price"]
     assert "price" not in table.columns
-    assert repr(table) == f"Table(beams: {len(table)} rows, 14 columns)"
+    assert repr(table) == f"Table(beams: {len(table)} rows, 18 columns)"
     assert isinstance(table[:3], Table)
     assert table.sort("panel_right").column("panel_right")[-1] is None
     with pytest.raises(KeyError, match="no column 'mass'"):

@@ -176,7 +176,11 @@ def test_what_torsion_forbids() -> None:
     with pytest.raises(DetailError, match=r"B-\d+ has torsion 15\.00 deg.*\n.*end = \"flat\""):
         tower().detail(beam={"end": "cope"}, panel=NO_GLASS)
     with pytest.raises(DetailError, match=r"30 mm from the middle.*\n.*eccentricity_mm = 30"):
-        tower().detail(beam={"profile": "FL 60x20"}, node={"bolt": "M12"}, panel=NO_GLASS)
+        tower().detail(
+            beam={"profile": "FL 60x20"},
+            connection={"kind": "stud", "bolt": "M6"},
+            panel=NO_GLASS,
+        )
     with pytest.raises(DetailError, match=r"mm wide at their ends \(FL 60x8 rolled by torsion\)"):
         tower().detail(node={"diameter_mm": 24.0}, panel=NO_GLASS)
     case = tower()

@@ -11,7 +11,6 @@ from ddgfab.errors import ProjectError
 from ddgfab.mesh import Floats
 from fabrication.specs import Loop, Profile
 from fabrication.standards import (
-    bolt_hole,
     density,
     lying,
     node_diameters,
@@ -20,6 +19,7 @@ from fabrication.standards import (
     stock_size,
 )
 from fabrication.standards.data import table
+from fabrication.standards.fasteners import fastener
 from fabrication.standards.profiles import first_crossing, is_mirror, z_range
 
 
@@ -169,9 +169,9 @@ def test_crossing_is_found_where_it_is() -> None:
 
 
 def test_bolts_nodes_and_materials() -> None:
-    assert bolt_hole("M12") == (12.0, 13.5)  # ISO 273, medium
+    assert (fastener("M12").diameter, fastener("M12").hole) == (12.0, 13.5)  # ISO 273, medium
     with pytest.raises(ProjectError, match="M12"):
-        bolt_hole("M13")
+        fastener("M13")
     assert list(node_diameters("tube")) == sorted(node_diameters("tube"))
     assert density("steel") == 7850.0
     assert stock_size() == (3210.0, 6000.0)

@@ -79,6 +79,7 @@ class Step(Format):
                 folder / ASSEMBLY,
                 expected,
                 whole.failed,
+                tuple(whole.mates),
                 foreign=False,
             )
         except InputError as error:

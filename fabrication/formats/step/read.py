@@ -12,6 +12,7 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from fabrication.checks.solid import SolidReport, inspect_solid
+from fabrication.formats.step.coaxial import cylinders_of
 from fabrication.formats.step.faceted import FacetedSolid, faceted_solids
 from fabrication.formats.step.xcaf import (
     components,
@@ -30,13 +31,17 @@ STEP_UNIT: Final = "millimetre"
 """The length unit of every STEP file that we write, as OCCT's reader names it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StepProduct:
-    """A product read back: its name, what the kernel says of its shape, its solids if asked for."""
+    """A product read back: its name, what the kernel says of its shape.
+
+    Solids and hollow cylinders (`coaxial.cylinders_of`) are there if asked for.
+    """
 
     name: str
     report: SolidReport
     solids: tuple[FacetedSolid, ...] = ()
+    cylinders: Floats = field(default_factory=lambda: np.zeros((0, 7)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +62,13 @@ class StepContent:
     product_of: tuple[int, ...] = ()
 
 
-def read_step(path: Path, *, validate: bool = True, facets: bool = False) -> StepContent:
+def read_step(
+    path: Path, *, validate: bool = True, facets: bool = False, holes: bool = False
+) -> StepContent:
     """Read a STEP file with OCCT's XCAF reader and measure each product once.
 
     Without `validate` the products go without BRepCheck; with `facets` they have their solids as
-    meshes.
+    meshes, with `holes` their hollow cylinders.
 
     The reader mends small faults on the way (tolerances, a shell that is inside out), so a product
     is called valid as this reader sees it.
@@ -76,7 +83,9 @@ def read_step(path: Path, *, validate: bool = True, facets: bool = False) -> Ste
     instances: list[tuple[str, str, Floats]] = []
     tags: list[str] = []
     for label in free_labels(document):
-        _walk(label, np.eye(4), get_name(label), products, instances, tags, (validate, facets))
+        _walk(
+            label, np.eye(4), get_name(label), products, instances, tags, (validate, facets, holes)
+        )
     layers = layers_by_tag(document)
     of_mark = {
         mark: layers.get(tag, frozenset())
@@ -133,7 +142,7 @@ def _walk(
     products: dict[str, StepProduct],
     instances: list[tuple[str, str, Floats]],
     tags: list[str],
-    wanted: tuple[bool, bool],
+    wanted: tuple[bool, bool, bool],
 ) -> None:
     """Collect products, placed instances and the tags of their shapes below a label."""
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
@@ -149,10 +158,11 @@ def _walk(
     tags.append(entry)
     if entry not in products:
         shape = XCAFDoc_ShapeTool.GetShape_s(label)
-        validate, facets = wanted
+        validate, facets, holes = wanted
         report = inspect_solid(shape, validate=validate)
         solids = faceted_solids(shape) if facets else ()
-        products[entry] = StepProduct(product, report, solids)
+        hollow = cylinders_of(shape) if holes else np.zeros((0, 7))
+        products[entry] = StepProduct(product, report, solids, hollow)
 
 
 def matrix(location: Any) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -10,8 +10,9 @@ import numpy as np
 
 from ddgfab.errors import InputError
 from fabrication.formats.base import REJECTED_KIND
+from fabrication.formats.step.coaxial import check_mates
 from fabrication.formats.step.read import FILE_VOLUME_RELATIVE, STEP_UNIT, read_step
-from fabrication.specs import Check, Placement
+from fabrication.specs import Check, Mate, Placement
 
 PLACEMENT_MM: Final = 1e-6
 """How far [mm] the placement of an instance read back may be from the one written."""
@@ -24,6 +25,7 @@ def check_step_assembly(
     path: Path,
     expected: Mapping[str, tuple[str, float, Placement]],
     rejected: Collection[str] = (),
+    mates: Sequence[Mate] = (),
 ) -> list[Check]:
     """The checks of the whole: names, counts, placements, and each product closed, of right volume.
 
@@ -33,9 +35,10 @@ def check_step_assembly(
     ----------
     expected : by piece mark: part number, volume [mm3], (4, 4) placement
     rejected : marks of the pieces that must be on the layer REJECTED, as no others are
+    mates : holes that must have one axis; see `check_mates`
     """
     try:
-        content = read_step(path, validate=False)
+        content = read_step(path, validate=False, holes=bool(mates))
     except InputError as error:
         return [Check("assembly readable", False, str(error))]
     found = {name: (product, placement) for product, name, placement in content.instances}
@@ -69,4 +72,5 @@ def check_step_assembly(
             "assembly volume", deviation <= FILE_VOLUME_RELATIVE, deviation, FILE_VOLUME_RELATIVE
         ),
         Check("assembly unit", content.unit == STEP_UNIT, content.unit, STEP_UNIT),
+        *check_mates(content, mates),
     ]

@@ -8,6 +8,7 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats, Mesh
+from fabrication.gridshell.detailing.connections.base import Joined
 from fabrication.gridshell.detailing.frames import (
     EdgeFrames,
     beam_mark,
@@ -17,10 +18,9 @@ from fabrication.gridshell.detailing.frames import (
 )
 from fabrication.gridshell.detailing.nodes.base import NodeSize
 from fabrication.gridshell.pieces import Beam
-from fabrication.gridshell.project import Project, bolt_diameters
-from fabrication.parts.beam import BeamShape, CrossHole, EndCut
+from fabrication.gridshell.project import Project
+from fabrication.parts.beam import BeamShape, EndCut
 from fabrication.specs import Check, Profile
-from fabrication.standards import bolt_end_distance, bolt_least_distance
 from fabrication.standards.profiles import z_range
 
 
@@ -48,30 +48,39 @@ def end_cuts(frames: EdgeFrames, size: NodeSize, eccentricity: float) -> Cuts:
 
 
 def beam_specs(
-    mesh: Mesh, frames: EdgeFrames, cuts: Cuts, size: NodeSize, profile: Profile, project: Project
+    mesh: Mesh,
+    frames: EdgeFrames,
+    cuts: Cuts,
+    size: NodeSize,
+    profile: Profile,
+    joined: Joined,
+    project: Project,
 ) -> tuple[Beam, ...]:
     """A beam for every edge.
 
     Raises
     ------
     DetailError
-        A beam shorter than the project's least length, or too shallow or short for its bolts.
+        A beam shorter than the project's least length, or than its connections.
     """
-    holes = _cross_holes(frames, cuts, profile, project)
-    _check_lengths(mesh, frames, cuts, profile, project)
+    _check_lengths(mesh, frames, cuts, profile, joined, project)
     _check_coped(frames, project)
     placements = np.zeros((mesh.n_edges, 4, 4))
     placements[:, :3, 0], placements[:, :3, 1], placements[:, :3, 2] = frames.x, frames.y, frames.z
     origin = mesh.vertices[mesh.edges[:, 0]] + project.beam.eccentricity_mm * frames.z
+    origin += cuts.x[:, :1] * frames.x  # x = 0 where the first cut meets the datum
+    lengths = cuts.x[:, 1] - cuts.x[:, 0]
+    offsets = size.cut * cuts.stretch
     placements[:, :3, 3], placements[:, 3, 3] = origin, 1.0
     placements.setflags(write=False)
     radius = size.cut if project.beam.end == "cope" else None
     limit = project.checks.torsion_deg
     glass = project.panel.kind != "none"
     beams = []
-    for e, (x, slope, skew, roll, (i, j), faces, length, torsion) in enumerate(
+    for e, (x, offset, slope, skew, roll, (i, j), faces, length, torsion) in enumerate(
         zip(
-            cuts.x.tolist(),
+            lengths.tolist(),
+            offsets.tolist(),
             frames.slope.tolist(),
             frames.skew.tolist(),
             frames.roll.tolist(),
@@ -84,9 +93,8 @@ def beam_specs(
     ):
         shape = BeamShape(
             profile,
-            EndCut(x[0], slope[0], radius, skew[0]),
-            EndCut(x[1], slope[1], radius, skew[1]),
-            holes[e] if holes else (),
+            EndCut(0.0, slope[0], radius, skew[0], joined.end),
+            EndCut(x, slope[1], radius, skew[1], joined.end),
         )
         left, right = (panel_mark(face) if glass and face >= 0 else None for face in faces)
         degrees = float(np.degrees(torsion))
@@ -103,13 +111,19 @@ def beam_specs(
                 placement=placements[e],
                 checks=(Check("torsion_deg", degrees <= limit, degrees, limit),),
                 roll=(roll[0], roll[1]),
+                offsets=(offset[0], offset[1]),
             )
         )
     return tuple(beams)
 
 
 def _check_lengths(
-    mesh: Mesh, frames: EdgeFrames, cuts: Cuts, profile: Profile, project: Project
+    mesh: Mesh,
+    frames: EdgeFrames,
+    cuts: Cuts,
+    profile: Profile,
+    joined: Joined,
+    project: Project,
 ) -> None:
     """Raise where the shortest fibre from cut to cut is below the least length."""
     low, high = z_range(profile)
@@ -119,10 +133,7 @@ def _check_lengths(
             for z in (low, high)
         )
     ) - 0.5 * profile.width * np.abs(frames.skew[:, 1] - frames.skew[:, 0])
-    limit = project.beam.min_length_mm
-    if project.beam.bolt != "none":
-        reach = bolt_end_distance(project.beam.bolt) * cuts.stretch
-        limit = max(limit, 2 * float((reach + 0.5 * profile.width * np.abs(frames.skew)).max()))
+    limit = max(project.beam.min_length_mm, 2.0 * joined.end_length)
     short = np.flatnonzero(least < limit)
     if len(short):
         raise listed(
@@ -133,7 +144,8 @@ def _check_lengths(
                 for e in short.tolist()
             ],
             f"the least length is {limit:.6g} mm: check units and scale, take smaller nodes, or "
-            f"change [beam] min_length_mm",
+            f"change [beam] min_length_mm"
+            + (f"; connections take {joined.end_length:.1f} mm at each end" * bool(joined.end)),
         )
 
 
@@ -145,25 +157,3 @@ def _check_coped(frames: EdgeFrames, project: Project) -> None:
             f"beam {beam_mark(worst)} has torsion {np.degrees(frames.torsion[worst]):.2f} deg: a "
             'coped end needs the node axis in the plane of the beam\ntake [beam] end = "flat"'
         )
-
-
-def _cross_holes(
-    frames: EdgeFrames, cuts: Cuts, profile: Profile, project: Project
-) -> list[tuple[CrossHole, ...]]:
-    """A hole near each end at half depth, the bolt's end distance from the cut; or nothing."""
-    bolt = bolt_diameters(project.beam.bolt)
-    if bolt is None:
-        return []
-    diameter = bolt[1]
-    low, high = z_range(profile)
-    needed = 2 * bolt_least_distance(project.beam.bolt)
-    if high - low < needed:
-        raise DetailError(
-            f"profile {profile.name} is {high - low:.6g} mm deep; a hole of {diameter:g} mm for "
-            f"{project.beam.bolt} needs {needed:.6g} mm: take a smaller [beam] bolt"
-        )
-    z = 0.5 * (low + high)
-    distance = bolt_end_distance(project.beam.bolt) * cuts.stretch
-    distance = (distance + 0.5 * profile.width * np.abs(frames.skew)) * [1.0, -1.0]
-    x = cuts.x + z * frames.slope + distance
-    return [(CrossHole(a, z, diameter), CrossHole(b, z, diameter)) for a, b in x.tolist()]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
 
 import numpy as np
 
@@ -12,6 +14,9 @@ from ddgfab.mesh import Mesh
 from fabrication.gridshell.detailing.arm_room import arm_width, close_arms
 from fabrication.gridshell.detailing.beams import beam_specs, end_cuts
 from fabrication.gridshell.detailing.clearance import panel_offset, steel_heights
+from fabrication.gridshell.detailing.connections import registry as connections
+from fabrication.gridshell.detailing.connections.base import Joined
+from fabrication.gridshell.detailing.connections.bolts import bolt_specs, fastener_pieces
 from fabrication.gridshell.detailing.frames import Axes, arms_of, edge_frames, node_mark
 from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
 from fabrication.gridshell.detailing.nodes.heights import end_heights, node_ends
@@ -19,9 +24,13 @@ from fabrication.gridshell.detailing.nodes.pieces import node_specs
 from fabrication.gridshell.detailing.nodes.registry import find
 from fabrication.gridshell.detailing.panels import face_planes, not_flat, panel_specs
 from fabrication.gridshell.load import make_project
-from fabrication.gridshell.pieces import Beam, Node, Panel
+from fabrication.gridshell.pieces import Beam, Bolt, FastenerPiece, Node, Panel
 from fabrication.gridshell.project import Project
 from fabrication.specs import Check, Piece
+
+BOLTED_TOLERANCE: Final = 0.002
+"""Greatest deviation [mm] within a part number where bolts join parts: their holes agree within
+0.01 mm."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,6 +46,8 @@ class Gridshell:
     size : the dimensions that all nodes share, and the node that forces them
     offset : the panes' inner surface above the faces [mm]
     problems : what was found beyond single parts, one sentence each
+    joined : what all connections of beams to nodes share
+    bolts : the bolts and studs, by node and arm
     """
 
     mesh: Mesh
@@ -48,11 +59,24 @@ class Gridshell:
     size: NodeSize
     offset: float
     problems: tuple[str, ...]
+    joined: Joined
+    bolts: tuple[Bolt, ...]
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
-        """All pieces: beams, nodes, panels."""
-        return (*self.beams, *self.nodes, *self.panels)
+        """All pieces: beams, nodes, panels; fasteners where the project wants them as parts."""
+        return (*self.beams, *self.nodes, *self.panels, *self.fasteners)
+
+    @cached_property
+    def fasteners(self) -> tuple[FastenerPiece, ...]:
+        """Fasteners as pieces, where the project wants them as parts."""
+        return fastener_pieces(self.bolts) if self.project.connection.fasteners else ()
+
+    @property
+    def family_tolerance(self) -> float:
+        """Within which [mm] pieces share a part number: holes of bolts agree more closely."""
+        tolerance = self.project.checks.family_tolerance_mm
+        return min(tolerance, BOLTED_TOLERANCE) if self.bolts else tolerance
 
     def failures(self) -> Iterator[tuple[str, Check]]:
         """Marks and checks of the pieces beyond a limit of the project."""
@@ -96,13 +120,18 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     profile = project.beam.section()
     frames = edge_frames(mesh, axes)
     arms = arms_of(mesh, axes, frames)
-    joints = Joints(frames, arms, arm_width(frames, profile, project), profile, project)
+    connection = connections.find(project.connection.kind).of(project)
+    width = arm_width(frames, profile, project)
+    joints = Joints(frames, arms, width, profile, project, connection)
+    connection.check(joints)
     size = find(project.node.kind).fit(joints)
+    joined = connection.fit(joints, size)
     cuts = end_cuts(frames, size, project.beam.eccentricity_mm)
-    beams = beam_specs(mesh, frames, cuts, size, profile, project)
+    beams = beam_specs(mesh, frames, cuts, size, profile, joined, project)
     low, middle, high = end_heights(frames, arms, size, profile, project)
     ends = node_ends(mesh, arms, low, high, project)
-    nodes = node_specs(mesh, axes, joints, size, ends, middle)
+    nodes = node_specs(mesh, axes, joints, size, joined, ends, middle)
+    bolts = bolt_specs(mesh, axes, joints, size, joined, middle)
     panels: tuple[Panel, ...] = ()
     offset, problem = 0.0, None
     if project.panel.kind != "none":
@@ -113,4 +142,6 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     close = close_arms(arms, project.checks.min_angle_deg)
     found = (close, problem, not_flat(mesh, panels))
     problems = tuple(sentence for sentence in found if sentence is not None)
-    return Gridshell(mesh, support, project, beams, nodes, panels, size, offset, problems)
+    return Gridshell(
+        mesh, support, project, beams, nodes, panels, size, offset, problems, joined, bolts
+    )

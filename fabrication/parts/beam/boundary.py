@@ -11,9 +11,18 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Cut, Tool, Vec
+from fabrication.parts.beam.stud import (
+    HAND_HOLE_WELD,
+    StudHole,
+    hollow_opening,
+    inner_end,
+    solid_opening,
+    stud_hole,
+    window,
+)
 from fabrication.solids.builder import BoundaryBuilder, Coedges, add
 from fabrication.solids.section import Segment, segments
-from fabrication.solids.sweep import End, sweep
+from fabrication.solids.sweep import End, sweep, walls
 
 if TYPE_CHECKING:
     from fabrication.parts.beam.shape import BeamShape, CrossHole, EndCut
@@ -188,5 +197,121 @@ def beam_boundary(shape: BeamShape) -> Boundary:
             side_holes.setdefault(face_in, []).append(loop_in)
             side_holes.setdefault(face_out, []).append(loop_out)
     start, end = ends_of(shape)
-    sweep(builder, frame, loops, start, end, side_holes)
+    if shape.start.stud is None and shape.end.stud is None:
+        sweep(builder, frame, loops, start, end, side_holes)
+    else:
+        _studded(builder, shape, loops, side_holes)
     return builder.build()
+
+
+def _studded(
+    builder: BoundaryBuilder,
+    shape: BeamShape,
+    loops: list[list[Segment]],
+    side_holes: dict[tuple[int, int], list[Coedges]],
+) -> None:
+    """Faces of a beam with stud ends: those of a hollow section are closed by plates."""
+    check_studs(shape, loops)
+    hollow = len(loops) > 1
+    outer, inner = list(ends_of(shape)), list(ends_of(shape))
+    holes: list[StudHole | None] = []
+    for k, (cut, outward) in enumerate(((shape.start, -1.0), (shape.end, 1.0))):
+        if cut.stud is None:
+            holes.append(None)
+            continue
+        hole = stud_hole(builder, cut, outward)
+        holes.append(hole)
+        if hollow:
+            hollow_opening(builder, cut, outward, loops, shape.profile.name, side_holes)
+            inner[k] = inner_end(cut, outward)
+        else:
+            right, left = opening_sides(shape, cut, outward, loops)
+            solid_opening(builder, cut, outward, hole, (right, left), side_holes)
+    faces: list[list[Coedges]] = [[], []]
+    for i, loop in enumerate(loops):
+        own = {k: inside for (j, k), inside in side_holes.items() if j == i}
+        ends = inner if i else outer
+        for k, ring in enumerate(walls(builder, frame, loop, ends[0], ends[1], own)):
+            hole_here = holes[k]
+            if i and hole_here is not None:
+                ends[k].face(builder, frame, [ring, hole_here.inner], cavity=True)
+            else:
+                faces[k].append(ring)
+    for k, hole_here in enumerate(holes):
+        mouths = [] if hole_here is None else [hole_here.mouth]
+        outer[k].face(builder, frame, [*faces[k], *mouths])
+
+
+def opening_sides(
+    shape: BeamShape, cut: EndCut, outward: float, loops: list[list[Segment]]
+) -> tuple[Wall, Wall]:
+    """The two upright faces that the opening of a solid bar goes through, right and left.
+
+    Raises
+    ------
+    DetailError
+        The profile has other faces there.
+    """
+    points = window(cut, outward).points
+    low, high = float(points[:, 0].min()), float(points[:, 0].max())
+    found: list[Wall] = []
+    for k, s in enumerate(loops[0]):
+        _, _, bottom, top = s.bounds()
+        if top <= low or bottom >= high:
+            continue
+        upright = not s.turn and abs(s.u1 - s.u0) <= VERTICAL * (top - bottom)
+        if not upright or bottom >= low or top <= high:
+            found = []
+            break
+        found.append(((0, k), s.u0))
+    if len(found) != 2:
+        raise DetailError(
+            f"the opening for a stud, from z = {low:.6g} to {high:.6g} mm, leaves the flat sides "
+            f"of profile {shape.profile.name}: take a deeper profile or a smaller bolt"
+        )
+    found.sort(key=lambda wall: wall[1])
+    return found[0], found[1]
+
+
+def check_studs(shape: BeamShape, loops: list[list[Segment]]) -> None:
+    """Raise `DetailError` where a stud's hole or opening does not fit the profile or the length."""
+    depths = []
+    for name, cut in (("start", shape.start), ("end", shape.end)):
+        stud = cut.stud
+        if stud is None:
+            depths.append(0.0)
+            continue
+        if cut.radius is not None or cut.skew != 0.0:
+            raise DetailError(f"the {name} has a stud, but its cut is coped or skew")
+        if len(loops) > 2 or 2.0 * stud.corner >= min(stud.length, stud.height):
+            raise DetailError(f"the {name} has an opening that is no rounded rectangle")
+        away = distance_to(loops[0], 0.0, stud.z)
+        if away <= stud.diameter / 2.0:
+            raise DetailError(
+                f"the {name} has a hole of {stud.diameter:.6g} mm, {away:.6g} mm from the outline "
+                f"of profile {shape.profile.name}: needs more than its radius"
+            )
+        depths.append(
+            (stud.plate + stud.length + HAND_HOLE_WELD) * math.hypot(1.0, cut.slope)
+            + stud.height * abs(cut.slope)
+        )
+    low = min(s.bounds()[2] for loop in loops for s in loop)
+    high = max(s.bounds()[3] for loop in loops for s in loop)
+    least = min(
+        shape.end.x - shape.start.x + (shape.end.slope - shape.start.slope) * z for z in (low, high)
+    )
+    if sum(depths) >= least:
+        raise DetailError(
+            f"the openings for studs take {sum(depths):.6g} mm of {least:.6g} mm between the cuts"
+        )
+
+
+def distance_to(loop: list[Segment], u: float, v: float) -> float:
+    """Distance [mm] of a point from the lines of a loop, its arcs counted as their chords."""
+    least = math.inf
+    for s in loop:
+        du, dv = s.u1 - s.u0, s.v1 - s.v0
+        square = du * du + dv * dv
+        t = min(max(((u - s.u0) * du + (v - s.v0) * dv) / square, 0.0), 1.0)
+        least = min(least, math.hypot(s.u0 + t * du - u, s.v0 + t * dv - v))
+    return least

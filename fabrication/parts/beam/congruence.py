@@ -24,7 +24,16 @@ def beam_key(shape: BeamShape) -> Hashable:
     """What must agree exactly for two beams to be congruent."""
     ends = (key_of(shape.start.radius), key_of(shape.end.radius))
     holes = tuple((key_of(hole.z), key_of(hole.diameter)) for hole in shape.holes)
-    return (_profile_key(shape.profile), ends, holes, shape.is_skew)
+    studs = (_stud_key(shape.start), _stud_key(shape.end))
+    return (_profile_key(shape.profile), ends, holes, studs, shape.is_skew)
+
+
+def _stud_key(cut: EndCut) -> Hashable:
+    stud = cut.stud
+    if stud is None:
+        return None
+    sizes = (stud.z, stud.diameter, stud.plate, stud.length, stud.height, stud.corner)
+    return tuple(map(key_of, sizes))
 
 
 @lru_cache(maxsize=64)
@@ -74,7 +83,8 @@ def beam_variants(shapes: Sequence[BeamShape]) -> Variants:
     shift[:, 0, 0] = middle[:, 0]
     first = shapes[0]
     row = [(hole.z, hole.diameter) for hole in first.holes]
-    if _symmetric(first.profile) and first.start.radius == first.end.radius and row == row[::-1]:
+    alike = first.start.radius == first.end.radius and row == row[::-1]
+    if alike and _symmetric(first.profile) and _stud_key(first.start) == _stud_key(first.end):
         if first.is_skew:  # what was on the right comes to the left
             start, end = np.roll(start, 2, axis=1), np.roll(end, 2, axis=1)
         back = np.hstack([middle - end, middle - start, middle - holes[:, ::-1]])

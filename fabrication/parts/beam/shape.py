@@ -28,6 +28,24 @@ BEAM: Final = Kind(
 
 
 @dataclass(frozen=True)
+class StudEnd:
+    """A hole perpendicular to a flat cut, through a plate, and the opening behind the plate [mm].
+
+    z : height at which the axis of the hole meets the cut; the axis lies in the plane y = 0
+    diameter : of the hole
+    plate : thickness of the plate, or of what a solid bar has before its opening
+    length, height, corner : of the opening: along the beam, across it, radius of its corners
+    """
+
+    z: float
+    diameter: float
+    plate: float
+    length: float
+    height: float
+    corner: float
+
+
+@dataclass(frozen=True)
 class EndCut:
     """How a beam ends, in the beam's frame; without torsion the node axis lies in its plane y = 0.
 
@@ -37,12 +55,14 @@ class EndCut:
         angle only where an axis leaves the plane y = 0 and is not perpendicular to the beam
     radius : None for a flat cut; else the radius [mm] of the coping cylinder, whose axis lies that
         far (perpendicularly) beyond x; its skew is 0
+    stud : a hole for a stud or bolt through the cut, which is flat and not skew then
     """
 
     x: float
     slope: float
     radius: float | None = None
     skew: float = 0.0
+    stud: StudEnd | None = None
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.parts.beam.boundary import ends_of, hole_walls
+from fabrication.parts.beam.boundary import ends_of, hole_walls, opening_sides
+from fabrication.parts.beam.stud import inner_end, lower_wall, opening_area
 from fabrication.solids.section import integrate, segments
 from fabrication.solids.sweep import End
+from fabrication.specs import Loop
 
 if TYPE_CHECKING:
     from fabrication.parts.beam.shape import BeamShape
@@ -29,15 +32,36 @@ def _length_antiderivative(end: End, u: Floats, v: Floats) -> Floats:
     return np.asarray(flat + end.outward * end.stretch * (r * u - root))
 
 
-def beam_volume(shape: BeamShape) -> float:
-    """Volume [mm3] of a beam: length integrated over the profile, less the holes in its walls."""
-    start, end = ends_of(shape)
-    total = integrate(
-        shape.profile.loops,
+def _between(loops: Sequence[Loop], start: End, end: End) -> float:
+    """Volume [mm3] within loops between two ends; negative for holes, which run clockwise."""
+    return integrate(
+        loops,
         lambda u, v: _length_antiderivative(end, u, v) - _length_antiderivative(start, u, v),
         NODES,
     )
+
+
+def beam_volume(shape: BeamShape) -> float:
+    """Volume [mm3] of a beam: length integrated over the profile, less holes and openings."""
+    start, end = ends_of(shape)
+    total = _between(shape.profile.loops[:1], start, end)
     loops = [segments(loop) for loop in shape.profile.loops]
+    for cut, outward in ((shape.start, -1.0), (shape.end, 1.0)):
+        if cut.stud is None:
+            continue
+        total -= math.pi * cut.stud.diameter**2 / 4.0 * cut.stud.plate
+        if len(loops) > 1:
+            outer, inner = lower_wall(loops, shape.profile.name)
+            through = loops[1][inner].v0 - loops[0][outer].v0
+            start, end = (
+                (inner_end(cut, outward), end) if outward < 0 else (start, inner_end(cut, outward))
+            )
+        else:
+            (_, right), (_, left) = opening_sides(shape, cut, outward, loops)
+            through = left - right
+        total -= opening_area(cut, hollow=len(loops) > 1) * through
+    if len(loops) > 1:
+        total += _between(shape.profile.loops[1:], start, end)
     for hole in shape.holes:
         faces = [y for _, y in hole_walls(shape, hole, loops)]
         through = sum(faces[1::2]) - sum(faces[::2])

@@ -7,7 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from ddgfab.mesh import Floats
+import numpy as np
+
+from ddgfab.errors import DetailError
+from ddgfab.mesh import Floats, Ints
+from fabrication.gridshell.detailing.connections.base import Connection, Drilling, Joined
 from fabrication.gridshell.detailing.frames import Arms, EdgeFrames
 from fabrication.gridshell.project import Project
 from fabrication.parts.node import NODE
@@ -19,6 +23,7 @@ class Joints:
     """Where beams meet at all nodes.
 
     width : of the strip beside the line to the node axis that every arm needs [mm], `arm_width`
+    connection : how beams are joined to the nodes
     """
 
     frames: EdgeFrames
@@ -26,6 +31,13 @@ class Joints:
     width: float
     profile: Profile
     project: Project
+    connection: Connection
+
+    def ends(self, edges: Ints, ends: Ints) -> list[int]:
+        """The nodes at some ends (0 or 1) of some edges."""
+        node = np.zeros((len(self.frames.length), 2), dtype=np.int64)
+        node[self.arms.edge, self.arms.end] = self.arms.node
+        return [int(v) for v in node[edges, ends]]
 
 
 @dataclass(frozen=True)
@@ -65,9 +77,22 @@ class NodeSize(ABC):
             None fits, or the project asks for what this kind does not have; names the nodes.
         """
 
+    def hole_room(self, joints: Joints, drilling: Drilling) -> tuple[Floats, bool]:
+        """Room (A,) [mm] for the radial hole of each arm, and whether it goes through a wall.
+
+        Raises
+        ------
+        DetailError
+            This kind of node has no radial holes, or there is too little room: names node and beam.
+        """
+        raise DetailError(
+            f'nodes of [node] kind = "{joints.project.node.kind}" have no radial holes, as '
+            f'[connection] kind = "{joints.project.connection.kind}" needs them'
+        )
+
     @abstractmethod
     def shapes(
-        self, joints: Joints, bottom: Floats, top: Floats, middle: Floats
+        self, joints: Joints, joined: Joined, bottom: Floats, top: Floats, middle: Floats
     ) -> Sequence[Shape]:
         """Shapes of the nodes that have arms, by vertex, in the frame of `placements`.
 
@@ -75,6 +100,7 @@ class NodeSize(ABC):
 
         Parameters
         ----------
+        joined : what the connections give the nodes
         bottom, top : (V,) ends of the nodes along their axes, from `node_ends`
         middle : (A,) height of the middle of each arm's end face, from `end_heights`
 

@@ -66,7 +66,7 @@ def _rolled_heights(
     by_z = (lean * slope + np.cos(roll)) * unit
     by_y = np.abs(lean * skew + np.sin(roll)) * unit
     low, high = (z + project.beam.eccentricity_mm for z in z_range(profile))
-    if project.node.bolt != "none" and abs(low + high) > OFF_MIDDLE:
+    if project.connection.kind != "welded" and abs(low + high) > OFF_MIDDLE:
         raise DetailError(
             f"beams are rolled by torsion about the mesh edges, {0.5 * abs(low + high):.6g} mm "
             f"from the middle of {profile.name}: bolts there miss the node axes\n"

@@ -6,6 +6,7 @@ import numpy as np
 
 from ddgfab.measures import lean
 from ddgfab.mesh import Floats, Mesh
+from fabrication.gridshell.detailing.connections.base import Joined
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
 from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
 from fabrication.gridshell.pieces import Arm, Node
@@ -17,6 +18,7 @@ def node_specs(
     axes: Floats,
     joints: Joints,
     size: NodeSize,
+    joined: Joined,
     ends: tuple[Floats, Floats],
     middle: Floats,
 ) -> tuple[Node, ...]:
@@ -25,6 +27,7 @@ def node_specs(
     Parameters
     ----------
     axes : (V, 3) unit node axes
+    joined : what the connections give the nodes
     ends : bottom and top (V,) along them [mm], from `node_ends`
     middle : (A,) height of the middle of each arm's end face [mm], from `end_heights`
 
@@ -34,7 +37,7 @@ def node_specs(
         A node cannot be made; see the kind of node.
     """
     arms, project = joints.arms, joints.project
-    shapes = size.shapes(joints, ends[0], ends[1], middle)
+    shapes = size.shapes(joints, joined, ends[0], ends[1], middle)
     leans = lean(mesh, axes).tolist()
     least = project.checks.min_angle_deg
     closest = np.degrees(arms.gap).tolist()

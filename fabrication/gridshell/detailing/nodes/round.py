@@ -10,11 +10,10 @@ import numpy as np
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
 from fabrication.gridshell.detailing.arm_room import least_radii
+from fabrication.gridshell.detailing.connections.base import Drilling, Joined
 from fabrication.gridshell.detailing.frames import Arms, beam_mark, listed, node_mark
 from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
-from fabrication.gridshell.project import Project, bolt_diameters
 from fabrication.parts.node import NodeShape, RadialHole, ReferenceMark, Seat
-from fabrication.specs import Profile
 from fabrication.standards import node_diameters
 from fabrication.standards.profiles import z_range
 
@@ -23,9 +22,6 @@ LEAST_WALL: Final = 2.0
 
 RADIUS_SLACK: Final = 1e-6
 """A radius [mm] may fall short of the need by this, so that noise forces no larger node."""
-
-THREAD: Final = 1.5
-"""Depth of a blind bolt hole, in bolt diameters; at least one must be left."""
 
 HOLE_WALL: Final = 3.0
 """Steel [mm] left between the tips of neighbouring blind holes."""
@@ -68,7 +64,7 @@ class Cylinder(NodeSize):
             series = sorted(settings.series_mm) or node_diameters(cls.series)
             for diameter in series:
                 size = cls._of(diameter, needed, int(arms.node[worst]), joints)
-                if diameter >= settings.min_diameter_mm and not size.misfit():
+                if diameter >= settings.min_diameter_mm and not size.misfit(joints):
                     return size
             raise DetailError(
                 f"{_forced(arms, worst)}, which needs a diameter of {2 * needed:.1f} mm; the "
@@ -96,8 +92,8 @@ class Cylinder(NodeSize):
         cut = seat + project.beam.clearance_mm
         return cls(radius, seat, cut, width, needed, forced_by)
 
-    def misfit(self) -> str:
-        """Why a size does not do, or an empty string."""
+    def misfit(self, joints: Joints | None = None) -> str:
+        """Why a size does not do, or an empty string; with `joints` also for holes of its arms."""
         if self.radius < self.needed - RADIUS_SLACK:
             return f"diameter {2 * self.radius:g} mm is less than {2 * self.needed:.1f} mm"
         if self.seat - self.bore < LEAST_WALL:
@@ -106,23 +102,69 @@ class Cylinder(NodeSize):
                 f"of {self.body} of diameter {2 * self.radius:g} mm; at least "
                 f"{LEAST_WALL:g} mm: take {self.remedy} or a larger diameter"
             )
+        drilling = None if joints is None else joints.connection.drilling
+        if joints is not None and drilling is not None:
+            room, least = float(self._room(joints, drilling).min()), self._least(drilling)
+            if room < least - RADIUS_SLACK:
+                return f"{room:.1f} mm of {least:.1f} mm for the holes of {drilling.size}"
         return ""
 
-    def shapes(
-        self, joints: Joints, bottom: Floats, top: Floats, middle: Floats
-    ) -> list[NodeShape]:
-        """Cylinders or tubes with seats, holes and a mark.
+    @staticmethod
+    def _least(drilling: Drilling) -> float:
+        """Room [mm] that a hole needs."""
+        return drilling.least
+
+    def hole_room(self, joints: Joints, drilling: Drilling) -> tuple[Floats, bool]:
+        """Room (A,) [mm] for the hole of each arm.
+
+        Holes of diameter d at azimuth difference phi meet at (d/2) / tan(phi/2) along their axes.
 
         Raises
         ------
         DetailError
-            Bolts wider than the seat, or so near each other that their holes meet.
+            Too little room for the thread; names nodes and beams, and the diameter that has it.
         """
+        room = self._room(joints, drilling)
+        shallow = np.flatnonzero(room < drilling.least - RADIUS_SLACK)
+        if len(shallow):
+            arms = joints.arms
+            raise listed(
+                [
+                    f"node {node_mark(arms.node[k])}: the hole for beam {beam_mark(arms.edge[k])} "
+                    f"can be {room[k]:.1f} mm deep"
+                    for k in shallow.tolist()
+                ],
+                f"{drilling.size} needs {drilling.least:g} mm: take {self._enough(joints)}",
+            )
+        return room, False
+
+    def _enough(self, joints: Joints) -> str:
+        """What gives the holes of all arms enough room."""
+        settings = joints.project.node
+        series = sorted(settings.series_mm) or node_diameters(self.series)
+        for diameter in series:
+            size = self._of(diameter, self.needed, self.forced_by, joints)
+            if diameter > 2.0 * self.radius and not size.misfit(joints):
+                return f"[node] diameter_mm = {diameter:g} or a smaller [connection] bolt"
+        return "a smaller [connection] bolt or a larger [node] series_mm"
+
+    def _room(self, joints: Joints, drilling: Drilling) -> Floats:
+        """(A,) room [mm] for the hole of each arm, before those of its neighbours."""
+        arms = joints.arms
+        before = np.empty_like(arms.gap)
+        before[arms.following()] = arms.gap
+        half_angle = 0.5 * np.minimum(np.minimum(arms.gap, before), np.pi)
+        return np.asarray(
+            self.seat - HOLE_WALL - 0.5 * drilling.diameter / np.tan(half_angle), dtype=np.float64
+        )
+
+    def shapes(
+        self, joints: Joints, joined: Joined, bottom: Floats, top: Floats, middle: Floats
+    ) -> list[NodeShape]:
+        """Cylinders or tubes with seats, holes and a mark."""
         arms, project = joints.arms, joints.project
-        depths = self._hole_depths(joints)
-        bolt = bolt_diameters(project.node.bolt)
         flat = project.beam.end == "flat"
-        mark = self._mark()
+        mark, bore, hole, depth = self._mark(), self.bore, joined.hole, joined.depth
         low, high = bottom.tolist(), top.tolist()
         azimuths, heights, starts = arms.azimuth.tolist(), middle.tolist(), arms.start.tolist()
         shapes = []
@@ -130,46 +172,17 @@ class Cylinder(NodeSize):
             own = range(starts[v], starts[v + 1])
             seats = tuple(Seat(azimuths[k], self.seat, self.width) for k in own) if flat else ()
             holes = (
-                tuple(RadialHole(azimuths[k], heights[k], bolt[1], depths[k]) for k in own)
-                if bolt
-                else ()
+                ()
+                if hole is None
+                else tuple(RadialHole(azimuths[k], heights[k], hole, depth) for k in own)
             )
-            shapes.append(NodeShape(self.radius, self.bore, low[v], high[v], seats, holes, mark))
+            shapes.append(NodeShape(self.radius, bore, low[v], high[v], seats, holes, mark))
         return shapes
 
     def _mark(self) -> ReferenceMark:
         land = self.seat - self.bore
         diameter = min(MARK[0], MARK_PART * land)
         return ReferenceMark(self.bore + 0.5 * land, diameter, MARK[1])
-
-    def _hole_depths(self, joints: Joints) -> list[float | None]:
-        """Depth (A,) of each arm's radial hole; None through a tube's wall.
-
-        Holes of diameter d at azimuth difference phi meet at (d/2) / tan(phi/2) along their axes.
-        """
-        arms, profile, project = joints.arms, joints.profile, joints.project
-        bolt = bolt_diameters(project.node.bolt)
-        if bolt and project.beam.end == "flat" and bolt[1] >= profile.width:
-            raise _too_wide(bolt[1], profile, project)
-        if bolt is None or self.bore > 0:
-            return [None] * len(arms.node)
-        nominal, diameter = bolt
-        before = np.empty_like(arms.gap)
-        before[arms.following()] = arms.gap
-        half_angle = 0.5 * np.minimum(np.minimum(arms.gap, before), np.pi)
-        room = self.seat - HOLE_WALL - 0.5 * diameter / np.tan(half_angle)
-        shallow = np.flatnonzero(room < nominal)
-        if len(shallow):
-            raise listed(
-                [
-                    f"node {node_mark(arms.node[k])}: the hole for beam {beam_mark(arms.edge[k])} "
-                    f"can be {room[k]:.1f} mm deep"
-                    for k in shallow.tolist()
-                ],
-                f"{project.node.bolt} needs {nominal:g} mm: take a larger [node] diameter_mm, a "
-                f'smaller bolt, or kind = "tube"',
-            )
-        return [float(depth) for depth in np.minimum(room, THREAD * nominal)]
 
 
 @dataclass(frozen=True)
@@ -191,6 +204,33 @@ class Tube(Cylinder):
         """Inside radius [mm]."""
         return max(self.radius - self.wall, 0.0)
 
+    def hole_room(self, joints: Joints, drilling: Drilling) -> tuple[Floats, bool]:
+        """The wall behind the seats: all of it is thread.
+
+        Raises
+        ------
+        DetailError
+            The wall is too thin for the thread.
+        """
+        room, least = self._room(joints, drilling), self._least(drilling)
+        if room[0] < least - RADIUS_SLACK:
+            arms, more = joints.arms, self.wall + least - float(room[0])
+            raise DetailError(
+                f"node {node_mark(arms.node[0])}: the thread for beam {beam_mark(arms.edge[0])} "
+                f"has {room[0]:.1f} mm of wall behind the seat; {drilling.size} needs {least:g} mm"
+                f"\ntake [node] wall_mm = {np.ceil(more):g}, or a smaller [connection] bolt"
+            )
+        return room, True
+
+    def _room(self, joints: Joints, drilling: Drilling) -> Floats:
+        """(A,) wall [mm] behind the seats."""
+        return np.full(len(joints.arms.node), self.seat - self.bore)
+
+    @staticmethod
+    def _least(drilling: Drilling) -> float:
+        """Thread [mm] in the wall."""
+        return drilling.thread
+
     @classmethod
     def _of(cls, diameter: float, needed: float, forced_by: int, joints: Joints) -> Self:
         size = Cylinder._of(diameter, needed, forced_by, joints)
@@ -199,14 +239,14 @@ class Tube(Cylinder):
             wall=joints.project.node.wall_mm,
         )  # fmt: skip
 
-    def misfit(self) -> str:
+    def misfit(self, joints: Joints | None = None) -> str:
         """Also where no bore is left."""
         if self.radius >= self.needed - RADIUS_SLACK and self.bore <= 0:
             return (
                 f"a tube of diameter {2 * self.radius:g} mm has no bore left with [node] wall_mm = "
                 f"{self.wall:g}: take a thinner wall or a solid cylinder"
             )
-        return super().misfit()
+        return super().misfit(joints)
 
 
 def _middle(joints: Joints) -> str:
@@ -230,12 +270,4 @@ def _forced(arms: Arms, k: int) -> str:
     return (
         f"node {node_mark(arms.node[k])} has beams {beam_mark(arms.edge[k])} and "
         f"{beam_mark(arms.edge[other])} at {np.degrees(arms.gap[k]):.1f} deg"
-    )
-
-
-def _too_wide(diameter: float, profile: Profile, project: Project) -> DetailError:
-    return DetailError(
-        f"the hole of {diameter:g} mm for [node] bolt {project.node.bolt} is wider than the seats "
-        f"({profile.width:g} mm, the width of {profile.name}): take a smaller bolt or a wider "
-        f"profile"
     )

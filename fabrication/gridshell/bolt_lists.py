@@ -1,0 +1,144 @@
+"""Bolt list and list of fasteners of a gridshell, as rows of plain values."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fabrication.gridshell.detailing.gridshell import Gridshell
+from fabrication.gridshell.pieces import Beam, Bolt
+from fabrication.parts.beam import BEAM
+from fabrication.parts.fastener import FastenerShape
+from fabrication.specs import Family, Mate
+from fabrication.standards import mass_kg
+from fabrication.standards.fasteners import steel_density
+from fabrication.table import Table
+
+Row = dict[str, Any]
+
+
+def bolt_tables(gridshell: Gridshell, families: Sequence[Family]) -> dict[str, Table]:
+    """Tables "bolts" and "fasteners"; none where nothing is bolted."""
+    if not gridshell.bolts:
+        return {}
+    return {
+        "bolts": Table(bolt_rows(gridshell, families), name="bolts"),
+        "fasteners": Table(fastener_rows(gridshell.bolts), name="fasteners"),
+    }
+
+
+def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
+    """Rows of the bolt list, by node and arm.
+
+    beam_end is the end of the part as made, which may be turned end for end; x, y, z is where the
+    axis meets the seat of the node, axis_x, axis_y, axis_z its direction away from the node.
+    """
+    turned = _turned(gridshell.beams, families)
+    size = gridshell.project.connection.bolt
+    depth = gridshell.joined.depth
+    rows = []
+    for bolt in gridshell.bolts:
+        (_, node_hole), (_, beam_hole) = bolt.holes
+        x, y, z = bolt.point.tolist()
+        axis = bolt.axis.tolist()
+        at_end = bool(bolt.end) != turned[bolt.beam]
+        row: Row = {
+            "mark": bolt.mark,
+            "node": bolt.node,
+            "beam": bolt.beam,
+            "beam_end": "end" if at_end else "start",
+            "size": size,
+        }
+        kinds = Counter(mounted.shape.kind for mounted in bolt.mounted)
+        for mounted in bolt.mounted:
+            shape = mounted.shape
+            column = "fastener" if shape.kind in ("bolt", "stud") else shape.kind
+            row[column] = shape.designation
+            if column != "fastener":
+                row[f"{column}s"] = kinds[shape.kind]
+        rows.append(
+            {
+                **row,
+                "grip_mm": bolt.grip,
+                "thread_mm": bolt.thread,
+                "node_hole_mm": node_hole,
+                "node_hole_depth_mm": depth,
+                "beam_hole_mm": beam_hole,
+                "x_mm": x,
+                "y_mm": y,
+                "z_mm": z,
+                "axis_x": axis[0],
+                "axis_y": axis[1],
+                "axis_z": axis[2],
+            }
+        )
+    return rows
+
+
+def fastener_rows(bolts: Sequence[Bolt]) -> list[Row]:
+    """Rows of the list of fasteners: quantity and masses [kg] of each, as they are ordered.
+
+    Masses are those of smooth shanks: threads make them a few percent lighter.
+    """
+    counts: Counter[FastenerShape] = Counter(m.shape for bolt in bolts for m in bolt.mounted)
+    rows = []
+    for shape, quantity in sorted(counts.items(), key=lambda item: item[0].designation):
+        mass = mass_kg(shape.second_volume(), steel_density())
+        rows.append(
+            {
+                "designation": shape.designation,
+                "kind": shape.kind,
+                "quantity": quantity,
+                "mass_kg": mass,
+                "total_mass_kg": quantity * mass,
+            }
+        )
+    return rows
+
+
+def mates_of(bolts: Sequence[Bolt]) -> tuple[Mate, ...]:
+    """What the holes of each bolt must agree on."""
+    return tuple(
+        Mate(
+            bolt.mark,
+            tuple(bolt.point.tolist()),
+            tuple(bolt.axis.tolist()),
+            (-bolt.thread, bolt.grip),
+            bolt.holes,
+        )
+        for bolt in bolts
+    )
+
+
+def mounted_pairs(gridshell: Gridshell) -> frozenset[frozenset[str]]:
+    """Marks of pieces that a bolt holds together: its fasteners with each other and the parts."""
+    of_bolt: dict[str, list[str]] = {}
+    for piece in gridshell.fasteners:
+        of_bolt.setdefault(piece.bolt, []).append(piece.mark)
+    pairs = set()
+    for bolt in gridshell.bolts:
+        own = of_bolt.get(bolt.mark, [])
+        for k, mark in enumerate(own):
+            pairs |= {frozenset((mark, other)) for other in (bolt.node, bolt.beam, *own[k + 1 :])}
+    return frozenset(pairs)
+
+
+def marks_of(row: Mapping[str, Any]) -> list[str]:
+    """The pieces that a row of a schedule is about: of a bolt, the node and the beam."""
+    if "node" in row and "beam" in row:
+        return [row["node"], row["beam"]]
+    return [row["mark"]] if "mark" in row else []
+
+
+def _turned(beams: Sequence[Beam], families: Sequence[Family]) -> Mapping[str, bool]:
+    """By mark, whether a beam is the shared shape turned end for end."""
+    own = {beam.mark: beam.placement[:3, 0] for beam in beams}
+    return {
+        instance.mark: bool(np.dot(own[instance.mark], instance.placement[:3, 0]) < 0.0)
+        for family in families
+        if family.kind.role == BEAM.role
+        for instance in family.instances
+    }

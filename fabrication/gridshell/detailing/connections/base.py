@@ -1,0 +1,116 @@
+"""What a kind of connection is: what beam ends and nodes get, and which fasteners join them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Self
+
+from fabrication.parts.beam import StudEnd
+from fabrication.parts.fastener import FastenerShape
+
+if TYPE_CHECKING:
+    from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
+    from fabrication.gridshell.project import Project
+
+
+@dataclass(frozen=True)
+class Drilling:
+    """Radial holes of nodes, tapped.
+
+    size : of the thread, "M12"
+    diameter : of the hole [mm]
+    least, usual : depth of the hole [mm] that is needed, and that is taken where there is room
+    thread : length of complete thread [mm] that is needed where the hole goes through a wall
+    """
+
+    size: str
+    diameter: float
+    least: float
+    usual: float
+    thread: float
+
+
+@dataclass(frozen=True)
+class Mounted:
+    """A fastener of a connection and where it sits on the axis.
+
+    at : of its origin on the axis, away from the node, from the seat [mm]
+    towards : +1 where its z axis points away from the node, -1 towards it
+    """
+
+    shape: FastenerShape
+    at: float
+    towards: int
+
+
+@dataclass(frozen=True)
+class Joined:
+    """What the connections of a project have in common, as they fit its nodes [mm].
+
+    Attributes
+    ----------
+    kind : of the connection
+    end : what the beams' ends get
+    hole, depth : diameter and depth of a radial hole for each arm; no hole, or through the wall
+    mounted : the fasteners of an arm, from the node outwards
+    beam_hole : diameter of the hole in the beam's end
+    thread : length of thread in the node that is complete
+    grip : what the fastener clamps, from the seat to the head or nut
+    end_length : what a beam's end takes of its length
+    weld : throat thickness of the weld, of the beam to the node or of its plate; None: no weld
+    """
+
+    kind: str
+    end: StudEnd | None = None
+    hole: float | None = None
+    depth: float | None = None
+    mounted: tuple[Mounted, ...] = ()
+    beam_hole: float | None = None
+    thread: float | None = None
+    grip: float | None = None
+    end_length: float = 0.0
+    weld: float | None = None
+
+
+@dataclass(frozen=True)
+class Connection(ABC):
+    """A kind of connection.
+
+    Attributes
+    ----------
+    keys : keys of [connection] that other kinds do not have
+    """
+
+    keys: ClassVar[Sequence[str]] = ()
+
+    @classmethod
+    @abstractmethod
+    def of(cls, project: Project) -> Self:
+        """The one of a project."""
+
+    @property
+    def drilling(self) -> Drilling | None:
+        """The radial holes that nodes must have room for."""
+        return None
+
+    def check(self, joints: Joints) -> None:  # noqa: B027 - nothing to check is the usual case
+        """Look at what needs no nodes: profile, end cuts.
+
+        Raises
+        ------
+        DetailError
+            The profile or the ends of the beams do not take it; names node and beam, the value,
+            the limit, and the nearest choice that does.
+        """
+
+    @abstractmethod
+    def fit(self, joints: Joints, size: NodeSize) -> Joined:
+        """The connection at nodes of a size.
+
+        Raises
+        ------
+        DetailError
+            It does not fit; names node and beam, the value, the limit, and what does.
+        """

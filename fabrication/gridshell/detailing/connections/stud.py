@@ -1,0 +1,277 @@
+"""Stud connections: a radial thread in the node, a plate at the end of the beam on the same axis.
+
+A stud with a nut, or a bolt, goes through the plate into the node. It is put in and tightened
+through an opening behind the plate: from side to side of a solid bar, in the lower wall of a hollow
+section. Distances: EN 1993-1-8:2005, table 3.3.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Final, Self
+
+import numpy as np
+
+from ddgfab.errors import DetailError
+from fabrication.gridshell.detailing.connections.base import (
+    Connection,
+    Drilling,
+    Joined,
+    Mounted,
+)
+from fabrication.gridshell.detailing.frames import beam_mark, listed, node_mark
+from fabrication.parts.beam import StudEnd
+from fabrication.parts.beam.boundary import distance_to
+from fabrication.parts.fastener import bolt, nut, stud, washer
+from fabrication.solids.section import segments
+from fabrication.specs import Profile
+from fabrication.standards.fasteners import (
+    Fastener,
+    bolt_length,
+    fastener,
+    fasteners,
+    stud_length,
+    wrench_swing,
+)
+from fabrication.standards.profiles import z_range
+
+if TYPE_CHECKING:
+    from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
+    from fabrication.gridshell.project import Project
+
+PLATE_STEP: Final = 5.0
+"""Plates [mm] are multiples of this where the project names none: as thick as the bolt or more."""
+
+OPENING_STEP: Final = 5.0
+"""Openings [mm] are as long as the fastener, and this or more."""
+
+CORNER: Final = 5.0
+"""Radius [mm] of an opening's corners."""
+
+DEPTH_STEP: Final = 0.5
+"""Depths of holes [mm] are multiples of this."""
+
+HANDLE: Final = 0.5
+"""Thickness of a spanner's handle, in widths across flats."""
+
+
+@dataclass(frozen=True)
+class Stud(Connection):
+    """A stud with a nut, or a bolt, along the radius through the middle of the end face.
+
+    plate : thickness of the plate [mm]
+    clearance : from the seat to the plate [mm]
+    wish : length of thread in engagement [mm] that the project asks for; None: the usual one
+    """
+
+    size: Fastener
+    fastener: str
+    plate: float
+    clearance: float
+    wish: float | None = None
+
+    keys: ClassVar[tuple[str, ...]] = ("fastener", "thread_mm")
+
+    @classmethod
+    def of(cls, project: Project) -> Self:
+        """The one of a project."""
+        settings, size = project.connection, fastener(project.connection.bolt)
+        plate = settings.plate_mm
+        if plate == "auto":
+            plate = _usual_plate(size)
+        wish = None if settings.thread_mm == "auto" else settings.thread_mm
+        return cls(size, settings.fastener, plate, project.beam.clearance_mm, wish)
+
+    @property
+    def drilling(self) -> Drilling:
+        """Tapped holes, a run-out deeper than their thread."""
+        usual = self.size.usual_thread if self.wish is None else self.wish
+        least = self.size.least_thread if self.wish is None else self.wish
+        runout = self.size.runout
+        return Drilling(self.size.size, self.size.drill, least + runout, usual + runout, least)
+
+    def check(self, joints: Joints) -> None:
+        """Look at profile and end cuts.
+
+        Raises
+        ------
+        DetailError
+            See `Connection.check`.
+        """
+        if joints.project.beam.end != "flat":
+            raise DetailError(
+                '[connection] kind = "stud" needs flat ends, not [beam] end = "cope": the plate at '
+                "the end of a beam lies flat on its seat"
+            )
+        skew = np.abs(joints.frames.skew).max(axis=1)
+        if skew.any():
+            worst = int(skew.argmax())
+            raise DetailError(
+                f"beam {beam_mark(worst)} has a compound cut, skew by "
+                f"{np.degrees(np.arctan(skew[worst])):.2f} deg, as torsion leaves it: a stud needs "
+                '0\ntake [connection] kind = "welded", or a net without torsion ([optimize] '
+                'goal = "torsion-free")'
+            )
+        slope = float(np.abs(joints.frames.slope).max())
+        found = _misfit(self.size, joints.profile)
+        if found:
+            smaller = [s for s in fasteners() if s.diameter < self.size.diameter]
+            fits = [s.size for s in smaller if not _misfit(s, joints.profile, slope)]
+            advice = f'[connection] bolt = "{fits[-1]}"' if fits else 'kind = "welded"'
+            wide, deep = _least_bar(self.size, slope)
+            arms = joints.arms
+            raise DetailError(
+                f"node {node_mark(arms.node[0])}, beam {beam_mark(arms.edge[0])} (and all others): "
+                f"{found}\ntake {advice}, or a flat bar [beam] profile = "
+                f'"FL {math.ceil(deep):g}x{math.ceil(wide):g}" or larger'
+            )
+
+    def fit(self, joints: Joints, size: NodeSize) -> Joined:
+        """Depth of thread, length of the fastener, and the opening that takes it.
+
+        Raises
+        ------
+        DetailError
+            See `Connection.fit`.
+        """
+        room, through = size.hole_room(joints, self.drilling)
+        bolt_size, drilling = self.size, self.drilling
+        depth: float | None = None
+        if through:
+            thread = float(room.min())
+        else:
+            depth = min(drilling.usual, DEPTH_STEP * math.floor(float(room.min()) / DEPTH_STEP))
+            depth = max(depth, drilling.least)
+            thread = depth - bolt_size.runout
+        grip = self.clearance + self.plate + bolt_size.washer[2]
+        under = self.clearance + self.plate
+        if self.fastener == "bolt":
+            length = bolt_length(bolt_size, "full", grip + drilling.thread, grip + thread)
+            if length is None:
+                raise self._no_length(joints, grip + drilling.thread, grip + thread)
+            mounted = [
+                Mounted(washer(bolt_size), under, 1),
+                Mounted(bolt(bolt_size, length), grip, -1),
+            ]
+            opening = length + bolt_size.head
+        else:
+            needed = thread + grip + bolt_size.nut + bolt_size.pitch
+            found = stud_length(needed)
+            if found is None:
+                raise self._no_length(joints, needed, math.inf)
+            length = found
+            mounted = [
+                Mounted(stud(bolt_size, length), -thread, 1),
+                Mounted(washer(bolt_size), under, 1),
+                Mounted(nut(bolt_size), grip, 1),
+            ]
+            opening = length
+        opening = OPENING_STEP * math.ceil((opening + 0.5 * OPENING_STEP) / OPENING_STEP)
+        low, high = z_range(joints.profile)
+        end = StudEnd(
+            0.5 * (low + high), bolt_size.hole, self.plate, opening, bolt_size.wrench, CORNER
+        )
+        self._check_strips(joints, end)
+        stretch = np.hypot(1.0, joints.frames.slope).max()
+        lean = bolt_size.wrench * (stretch**2 - 1.0) ** 0.5
+        taken = (self.plate + opening + CORNER) * stretch + lean
+        return Joined(
+            "stud",
+            end,
+            bolt_size.drill,
+            depth,
+            tuple(mounted),
+            bolt_size.hole,
+            thread,
+            grip,
+            float(taken),
+            joints.project.connection.weld_mm if len(joints.profile.loops) > 1 else None,
+        )
+
+    def _no_length(self, joints: Joints, least: float, most: float) -> DetailError:
+        arms = joints.arms
+        upto = f" to {most:.1f}" if math.isfinite(most) else " or more"
+        return DetailError(
+            f"node {node_mark(arms.node[0])}, beam {beam_mark(arms.edge[0])} (and all others): a "
+            f"{self.fastener} {self.size.size} of {least:.1f}{upto} mm is needed, and the series "
+            f"has none\ntake another [connection] plate_mm, which is {self.plate:g}"
+        )
+
+    def _check_strips(self, joints: Joints, end: StudEnd) -> None:
+        """Raise where too little of a solid bar is left above or below its opening."""
+        if len(joints.profile.loops) > 1:
+            return
+        slope = joints.frames.slope
+        n = np.hypot(1.0, slope)
+        shift = (end.plate + 0.25 * end.height) * np.abs(slope) / n
+        low, high = z_range(joints.profile)
+        strip = 0.5 * (high - low) - 0.5 * end.height / n - shift
+        limit = self.size.diameter
+        bad = np.argwhere(strip < limit)
+        if len(bad):
+            edges = joints.ends(bad[:, 0], bad[:, 1])
+            needed = high - low + 2.0 * (limit - float(strip.min()))
+            raise listed(
+                [
+                    f"node {node_mark(node)}, beam {beam_mark(edge)}: its opening leaves "
+                    f"{strip[edge, e]:.1f} mm of {joints.profile.name}"
+                    for node, (edge, e) in zip(edges, bad.tolist(), strict=True)
+                ],
+                f"at least {limit:g} mm are needed above and below: take a profile {needed:.0f} mm "
+                f"deep or a smaller [connection] bolt",
+            )
+
+
+def _usual_plate(size: Fastener) -> float:
+    """Thickness [mm] of a plate that the project does not name."""
+    return PLATE_STEP * math.ceil(size.diameter / PLATE_STEP)
+
+
+def _least_bar(size: Fastener, slope: float) -> tuple[float, float]:
+    """Width and depth [mm] of a flat bar that takes a size at both ends of all beams."""
+    wide = 2.0 * max(size.edge, 0.5 * size.washer[1])
+    shift = (_usual_plate(size) + 0.25 * size.wrench) * slope / math.hypot(1.0, slope)
+    return wide, size.wrench + 2.0 * (size.diameter + shift)
+
+
+def _misfit(size: Fastener, profile: Profile, slope: float = 0.0) -> str:
+    """Why a size does not fit a profile, or an empty text; slope: the greatest of its cuts."""
+    low, high = z_range(profile)
+    loops = [segments(loop) for loop in profile.loops]
+    middle = 0.5 * (low + high)
+    hollow = len(loops) > 1
+    away = distance_to(loops[0], 0.0, middle)
+    if away < size.edge:
+        return (
+            f"the hole for {size.size} is {away:.1f} mm from the edge of the end of "
+            f"{profile.name}; at least {size.edge:.1f} mm, 1.2 hole diameters (EN 1993-1-8, "
+            "table 3.3)"
+        )
+    inside = distance_to(loops[1], 0.0, middle) if hollow else away
+    if inside < 0.5 * max(size.washer[1], size.wrench if hollow else 0.0):
+        return (
+            f"washer and spanner of {size.size} need {0.5 * max(size.washer[1], size.wrench):.1f} "
+            f"mm about the axis; {profile.name} has {inside:.1f} mm"
+        )
+    if hollow:
+        wall = [s for s in loops[0] if not s.turn and abs(s.v1 - s.v0) < 1e-9 and s.v0 == low]
+        flat = max((abs(s.u1 - s.u0) for s in wall), default=0.0)
+        if flat <= size.wrench:
+            return (
+                f"the hand hole for {size.size} is {size.wrench:.1f} mm wide; the lower wall of "
+                f"{profile.name} is flat over {flat:.1f} mm"
+            )
+        return ""
+    if high - low < _least_bar(size, slope)[1]:
+        return (
+            f"the opening for a spanner of {size.size} is {size.wrench:.1f} mm high, with "
+            f"{size.diameter:g} mm left above and below; {profile.name} is {high - low:.6g} mm deep"
+        )
+    swing = 2.0 * math.atan2(0.5 * (size.wrench - HANDLE * size.flats), away)
+    if swing < wrench_swing():
+        return (
+            f"a spanner for {size.size} turns by {math.degrees(swing):.0f} deg in the opening of "
+            f"{profile.name}; at least {math.degrees(wrench_swing()):.0f} deg"
+        )
+    return ""
