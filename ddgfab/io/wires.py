@@ -18,8 +18,8 @@ from ddgfab.tolerances import COORDINATE_LIMIT, WELD_COARSE
 NEAR_ENDS = 1e-5
 """Ends of lines nearer than this part of the net's size are one point."""
 
-PAIRS = 100_000_000
-"""Lines that leave more pairs than this to compare are refused."""
+PAIRS = 10_000_000
+"""Lines that leave more pairs than this to compare are refused: some seconds of computing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,14 +129,25 @@ def faces_of_wires(
 
 def _without_free_ends(wires: Wires) -> tuple[Ints, Ints]:
     """Bars that are left when those with a free end go, again and again."""
-    bars, wire = wires.bars, wires.wire
-    while len(bars):
-        degree = np.bincount(bars.ravel(), minlength=len(wires.points))
-        keep = (degree[bars] > 1).all(axis=1)
-        if keep.all():
-            break
-        bars, wire = bars[keep], wire[keep]
-    return bars, wire
+    bars = wires.bars
+    degree = np.bincount(bars.ravel(), minlength=len(wires.points)).tolist()
+    at: dict[int, list[int]] = {}
+    ends = bars.tolist()
+    for bar, (one, two) in enumerate(ends):
+        at.setdefault(one, []).append(bar)
+        at.setdefault(two, []).append(bar)
+    keep = np.ones(len(bars), dtype=bool)
+    free = [vertex for vertex in at if degree[vertex] == 1]
+    while free:
+        vertex = free.pop()
+        for bar in at[vertex]:
+            if keep[bar]:
+                keep[bar] = False
+                for end in ends[bar]:
+                    degree[end] -= 1
+                    if degree[end] == 1:
+                        free.append(end)
+    return bars[keep], wires.wire[keep]
 
 
 def _seen_flat(points: Floats, bars: Ints) -> Floats:
@@ -182,7 +193,10 @@ def _area(loop: Floats) -> float:
 
 
 def _crossing(flat: Floats, bars: Ints, file: str) -> tuple[int, int] | None:
-    """Two bars that cross between their ends, or None. A sweep keeps the pairs few.
+    """Two bars that cross between their ends, or None.
+
+    Only bars are compared that overlap along an axis, or pass the same cell of a grid: whichever
+    leaves fewest pairs.
 
     Raises
     ------
@@ -191,14 +205,8 @@ def _crossing(flat: Floats, bars: Ints, file: str) -> tuple[int, int] | None:
     """
     p, q = flat[bars[:, 0]], flat[bars[:, 1]]
     low, high = np.minimum(p, q), np.maximum(p, q)
-    orders = np.argsort(low, axis=0, kind="stable").T
-    lasts = [
-        np.searchsorted(low[order, k], high[order, k], side="right")
-        for k, order in enumerate(orders)
-    ]
-    counts = [last - np.arange(1, len(bars) + 1) for last in lasts]
-    k = int(counts[1].sum() < counts[0].sum())
-    order, count = orders[k], counts[k]
+    ways = [_along(low[:, 0], high[:, 0]), _along(low[:, 1], high[:, 1]), _in_cells(p, q)]
+    order, count = min(ways, key=lambda way: int(way[1].sum()))
     if count.sum() > PAIRS:
         raise MeshError(
             f"the mesh has no faces, and its {len(bars)} lines are too many to find out which "
@@ -206,9 +214,11 @@ def _crossing(flat: Floats, bars: Ints, file: str) -> tuple[int, int] | None:
             "polygons",
             file=file,
         )
+    if not count.sum():
+        return None
     every = np.cumsum(count)
     cuts = np.searchsorted(every, np.arange(CHUNK, int(every[-1]), CHUNK), side="right")
-    for part in np.split(np.arange(len(bars)), np.unique(cuts)):
+    for part in np.split(np.arange(len(order)), np.unique(cuts)):
         one = np.repeat(part, count[part])
         other = np.arange(len(one)) - np.repeat(np.cumsum(count[part]) - count[part], count[part])
         i, j = order[one], order[one + 1 + other]
@@ -223,6 +233,49 @@ def _crossing(flat: Floats, bars: Ints, file: str) -> tuple[int, int] | None:
         if len(hit):
             return int(i[hit[0]]), int(j[hit[0]])
     return None
+
+
+def _along(low: Floats, high: Floats) -> tuple[Ints, Ints]:
+    """Bars in the order in which they begin along an axis, and how many begin before each ends."""
+    order = np.argsort(low, kind="stable")
+    last = np.searchsorted(low[order], high[order], side="right")
+    return order, last - np.arange(1, len(order) + 1)
+
+
+def _in_cells(p: Floats, q: Floats) -> tuple[Ints, Ints]:
+    """Bars by the cells of a square grid that they pass.
+
+    Returns
+    -------
+    order : ids of bars, those of one cell after each other
+    count : how many of the same cell follow each
+
+    Long bars are cut into pieces no longer than a cell, so that there are at most four pieces a
+    bar, and a piece lies in few cells.
+    """
+    long = np.abs(q - p).max(axis=1)
+    span = float(np.ptp(np.concatenate([p, q]), axis=0).max())
+    size = max(float(long.sum()) / (3 * len(p)), span * 1e-6) or 1.0
+    pieces = np.maximum(np.ceil(long / size), 1).astype(np.int64)
+    bar = np.repeat(np.arange(len(p)), pieces)
+    step = (np.arange(len(bar)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[bar]
+    way = (q - p)[bar]
+    start = p[bar] + step[:, None] * way
+    end = start + way / pieces[bar][:, None]
+    edge = 1e-9 * span
+    first = np.floor((np.minimum(start, end) - edge) / size).astype(np.int64)
+    last = np.floor((np.maximum(start, end) + edge) / size).astype(np.int64)
+    first, last = first - first.min(axis=0), last - first.min(axis=0)
+    width = int(last[:, 1].max()) + 1
+    found = []
+    for x in range(int((last - first)[:, 0].max()) + 1):
+        for y in range(int((last - first)[:, 1].max()) + 1):
+            inside = (first + np.array([x, y]) <= last).all(axis=1)
+            cell = (first[inside, 0] + x) * width + first[inside, 1] + y
+            found.append(np.stack([cell, bar[inside]], axis=1))
+    entries = np.unique(np.concatenate(found), axis=0)
+    ends = np.searchsorted(entries[:, 0], entries[:, 0], side="right")
+    return entries[:, 1], ends - np.arange(1, len(entries) + 1)
 
 
 def _side(a: Floats, b: Floats, c: Floats) -> Floats:

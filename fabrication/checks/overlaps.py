@@ -142,11 +142,12 @@ def _rigid(
     turn = placements[:, :3, :3]
     square = np.einsum("nki,nkj->nij", turn, turn)
     bent = np.abs(square - np.eye(3)).max(axis=(1, 2)) > RIGID
-    bent |= np.linalg.det(turn) < 0
+    factor = volume_factor(placements)
+    bent |= factor < 0
     every, owner, placements = list(bodies), owner.copy(), placements.copy()
     for row in np.flatnonzero(bent):
         body, at = every[owner[row]], placements[row]
-        det = float(np.linalg.det(at[:3, :3]))
+        det = float(factor[row])
         triangles = body.mesh.triangles if det > 0 else body.mesh.triangles[:, ::-1]
         mesh = TriangleMesh(
             body.mesh.vertices @ at[:3, :3].T + at[:3, 3], np.ascontiguousarray(triangles)
@@ -154,6 +155,15 @@ def _rigid(
         owner[row], placements[row] = len(every), np.eye(4)
         every.append(Body(mesh, body.volume * abs(det), body.name))
     return every, owner, placements
+
+
+def volume_factor(placements: Floats) -> Floats:
+    """(n,) factor on volumes of (n, 4, 4) placements, negative for mirrored ones, 0 for flat ones.
+
+    By products: `numpy.linalg.det` warns of a division by zero where a placement is flat.
+    """
+    rows = placements[:, :3, :3]
+    return np.asarray(np.einsum("ni,ni->n", np.cross(rows[:, 0], rows[:, 1]), rows[:, 2]))
 
 
 def plane_distance(one: Body, two: Body, motion: Placement | None = None) -> float:

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from fabrication.checks.overlaps import Body as Solid
-from fabrication.checks.overlaps import overlaps
+from fabrication.checks.overlaps import overlaps, volume_factor
 from fabrication.checks.shells import Shells, examine_shells, signed_volume
 from fabrication.formats.report import FileReport
 from fabrication.specs import Placement, TriangleMesh
@@ -94,7 +94,7 @@ def mesh_report(
     shared = interference(solids, standing, rounding)
     total: float | None = None
     if standing:
-        grown = [abs(float(np.linalg.det(at[:3, :3]))) for _, _, at in standing]
+        grown = np.abs(volume_factor(np.array([at for _, _, at in standing]))).tolist()
         rows = zip(standing, grown, strict=True)
         total = sum(bodies[k].volume_mm3 * factor for (k, _, _), factor in rows)
     return solids_report(path, kind, unit, bodies, shared, total)

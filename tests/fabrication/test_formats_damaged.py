@@ -124,6 +124,17 @@ def test_a_long_chain_of_nodes_is_read(tmp_path: Path) -> None:
     assert inspect_file(tmp_path / "a.glb").passed
 
 
+@pytest.mark.filterwarnings("error")
+def test_nodes_that_are_flat_mirrored_or_scaled(tmp_path: Path) -> None:
+    content = document()
+    content["nodes"][0]["scale"] = [0.0, 0.0, 0.0]
+    content["nodes"][1]["scale"] = [-1.0, 2.0, 3.0]
+    (tmp_path / "a.glb").write_bytes(glb(content))
+    report = inspect_file(tmp_path / "a.glb")
+    assert report.passed
+    assert report.volume_mm3 == pytest.approx(1e9)  # 6 x 1/6 m3
+
+
 @pytest.mark.parametrize("suffix", ["glb", "stl", "3mf", "step"])
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes here")
 def test_a_pipe_is_refused_and_not_waited_for(suffix: str, tmp_path: Path) -> None:
