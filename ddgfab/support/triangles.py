@@ -11,7 +11,7 @@ from ddgfab.io.pairs import paired_in_order
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.support.structure import SupportStructure
-from ddgfab.tolerances import RELATIVE_DEGENERATE
+from ddgfab.tolerances import LEAN_LIMIT_DEG, RELATIVE_DEGENERATE
 
 
 @checked
@@ -65,10 +65,24 @@ def central(mesh: Mesh, centre: ArrayLike | None = None) -> SupportStructure:
     )
 
 
+def central_lean_deg(mesh: Mesh) -> float:
+    """Greatest lean [deg] of the central structure; 180 where there is none."""
+    try:
+        return central(mesh).lean_deg_max
+    except SupportError:
+        return 180.0
+
+
 def refuse_triangles(mesh: Mesh) -> SupportError:
     """The error that says Prop. 5.2, with the torsion of the vertex normals and the way out."""
     angles = np.degrees(torsion(mesh, mesh.vertex_normals))
-    worst = int(angles.argmax())
+    worst, lean = int(angles.argmax()), central_lean_deg(mesh)
+    way = f'take the central structure with [support] kind = "central" (lean up to {lean:.0f} deg)'
+    if lean > LEAN_LIMIT_DEG:
+        way = (
+            f"those lean by up to {lean:.0f} deg here (limit {LEAN_LIMIT_DEG:g}): take the vertex "
+            'normals with [support] kind = "normals", whose beams twist'
+        )
     quads = "use a quad mesh"
     if paired_in_order(mesh):
         quads = "take the quads that its triangles were cut from, [net] quads = true (--quads)"
@@ -76,7 +90,7 @@ def refuse_triangles(mesh: Mesh) -> SupportError:
         "a triangle mesh has no torsion-free node axes but those through one centre (Prop. 5.2)\n"
         f"its vertex normals have torsion {angles[worst]:.2f} deg at edge {worst} "
         f"(mean {angles.mean():.2f} deg)\n"
-        f'take the central structure with [support] kind = "central", or {quads}'
+        f"{way}, or {quads}"
     )
 
 

@@ -163,6 +163,8 @@ def _limits_text(error: Exception) -> str | None:
     lines = [f"{error.summary}; nothing was made"]
     if error.settings:
         lines.append(f"Next: {shlex.join([*given, *set_arguments(error.settings)])}")
+    elif error.advice:
+        lines.append(error.advice)
     lines.append(f"Or make the parts all the same, and reject them: {shlex.join(given)} --anyway")
     return "\n".join(lines)
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 from typing import Any, Final
 
 from ddgfab.errors import SupportError
+from ddgfab.io.pairs import paired_in_order
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.support import SupportKind, SupportStructure, support_structure
 from ddgfab.support.asymptotic import ASYMPTOTIC_BEND, edge_bend
+from ddgfab.support.triangles import central_lean_deg
+from fabrication.gridshell.net_settings import MESH
 from fabrication.gridshell.project import Project
 
+_TRIANGLE: Final = 3
 _QUAD: Final = 4
 
 
@@ -47,12 +51,22 @@ def node_axes(
             torsion_limit_deg=project.checks.torsion_deg,
         )
     except SupportError as error:
+        if bool((mesh.face_sizes == _TRIANGLE).all()) and kind in ("auto", "optimize"):
+            raise AxesError(str(error), (_for_triangles(mesh, project),)) from error
         quads = bool((mesh.face_sizes == _QUAD).all())
         if not quads or kind not in ("auto", "optimize") or project.optimize.goal == "torsion-free":
             raise
         if edge_bend(mesh) < ASYMPTOTIC_BEND:
             raise AxesError(str(error), (("support", "kind", "normals"),)) from error
         raise AxesError(str(error), (("optimize", "goal", "torsion-free"),)) from error
+
+
+def _for_triangles(mesh: Mesh, project: Project) -> tuple[str, str, Any]:
+    """What helps triangles: the quads they were cut from, a centre, or normals that twist."""
+    if project.net.kind == MESH and paired_in_order(mesh):
+        return "net", "quads", True
+    upright = central_lean_deg(mesh) <= project.support.lean_limit_deg
+    return "support", "kind", "central" if upright else "normals"
 
 
 def notes_on_axes(

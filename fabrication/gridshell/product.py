@@ -8,16 +8,15 @@ from typing import Any, Final
 
 from ddgfab.errors import OutputError
 from ddgfab.optimize.report import comparison
-from fabrication.checks.assembly import check_assembly
 from fabrication.formats.base import Material
 from fabrication.formats.glb import MODEL
 from fabrication.formats.step.format import ASSEMBLY
 from fabrication.formats.tables import SCHEDULES
 from fabrication.formats.xlsx import WORKBOOK
-from fabrication.gridshell.bolt_lists import marks_of, mates_of, mounted_pairs
+from fabrication.gridshell.bolt_lists import marks_of, mates_of
 from fabrication.gridshell.design import Design
-from fabrication.gridshell.detailing.clearance import PANEL_CLEARANCE
 from fabrication.gridshell.remedies import remedies
+from fabrication.gridshell.room import CHORD_MM, gaps_kept
 from fabrication.gridshell.schedules import schedules
 from fabrication.job.problems import Problem
 from fabrication.job.product import Product
@@ -27,13 +26,9 @@ from fabrication.parts.fastener import FASTENER
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
 from fabrication.pictures.change import write_change
-from fabrication.solids import mesh_of
 from fabrication.specs import Check, Family, Mate, Role, TriangleMesh
 from fabrication.standards.fasteners import steel_density
 from fabrication.table import Table
-
-CHORD_MM: Final = 0.05
-"""Greatest distance [mm] of the meshes (STL, GLB, clearances) from the exact surfaces."""
 
 CHANGE: Final = "optimized.png"
 """Name of the picture of what [optimize] did to the net."""
@@ -49,6 +44,11 @@ class GridshellProduct(Product):
         WORKBOOK,
         *(f"{SCHEDULES}/{name}.csv" for name in ("panels", "beams", "nodes")),
         MODEL,
+    )
+
+    nothing_helps = (
+        "No setting that was tried helps: the net itself has to change (a smoother one, or quads "
+        "instead of triangles)"
     )
 
     def __init__(self, design: Design) -> None:
@@ -74,14 +74,7 @@ class GridshellProduct(Product):
 
     def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:
         """Gaps between neighbours that passed their limits; what is rejected clashes with none."""
-        return check_assembly(
-            self._within_limits(),
-            meshes,
-            clearances(self.design),
-            tolerance=2 * CHORD_MM,
-            finer=lambda family, chord: mesh_of(family.shape, chord),
-            mounted=mounted_pairs(self.design.gridshell),
-        )
+        return gaps_kept(self.design, self._within_limits(), meshes)
 
     def marks_of(self, row: Mapping[str, Any]) -> Sequence[str]:
         """See `bolt_lists.marks_of`; of a part number, all its pieces."""
@@ -138,20 +131,3 @@ class GridshellProduct(Product):
         except OutputError as error:
             return [f"no {CHANGE}: {error}"]
         return []
-
-
-def clearances(design: Design) -> dict[tuple[Role, Role], float]:
-    """Least gaps [mm] between neighbours: what the project asks for less what families may take.
-
-    A member may be off from its family's shape by the family's deviation, on either side.
-    """
-    project = design.project
-    loss = 2 * max((family.deviation for family in design.families), default=0.0)
-    to_steel = PANEL_CLEARANCE if project.panel.offset_mm == "auto" else 0.0
-    wanted: dict[tuple[Role, Role], float] = {
-        (BEAM.role, NODE.role): project.beam.clearance_mm,
-        (BEAM.role, PANEL.role): to_steel,
-        (NODE.role, PANEL.role): to_steel,
-        (PANEL.role, PANEL.role): project.panel.gap_mm,
-    }
-    return {roles: max(0.0, gap - loss) for roles, gap in wanted.items()}

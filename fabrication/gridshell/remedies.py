@@ -12,6 +12,7 @@ from ddgfab.io.pairs import paired_in_order
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.net_settings import MESH
 from fabrication.gridshell.pieces import Panel
+from fabrication.gridshell.room import settings_with_room
 from fabrication.job.problems import Problem
 from fabrication.solids.polygon import least_rectangle
 
@@ -27,7 +28,8 @@ def remedies(design: Design, problems: Sequence[Problem]) -> list[tuple[str, str
     A net that is not planar, or whose node axes lean, is optimized: torsion-free where the axes are
     at fault, as no change of the faces alone rights them. Where that was done already, or is not
     possible, and for all other limits, the limit that the net keeps is named. Triangles that are
-    quads cut in two become quads again: axes of triangle meshes twist.
+    quads cut in two become quads again: axes of triangle meshes twist. Where normals twist and the
+    faces are planar, what is named leaves the pieces clear of each other (`settings_with_room`).
     """
     worst = {problem.check: problem.parts[0][1] for problem in problems}
     goal = design.project.optimize.goal
@@ -44,6 +46,9 @@ def remedies(design: Design, problems: Sequence[Problem]) -> list[tuple[str, str
         found.append(("optimize", "goal", "torsion-free"))
     elif "planarity_percent" in worst and not axes and goal == "none":
         found.append(("optimize", "goal", "planar"))
+    elif "torsion_deg" in worst and not straight and "planarity_percent" not in worst:
+        if not (found := _of_normals(design, worst)):
+            return []
     else:
         found += _limits(worst)
     if "least_angle_deg" in worst:
@@ -64,6 +69,19 @@ def _limits(worst: dict[str, float | str | None]) -> list[tuple[str, str, Any]]:
     return [
         (*keys[name], _number(value, math.ceil)) for name, value in worst.items() if name in keys
     ]
+
+
+def _of_normals(design: Design, worst: dict[str, float | str | None]) -> list[tuple[str, str, Any]]:
+    """The torsion of normals as a limit, with room for the panes, or axes without torsion.
+
+    Empty where pieces clash with all that was tried.
+    """
+    limits = _limits(worst)
+    limit = next(value for _, key, value in limits if key == "torsion_deg")
+    tried = settings_with_room(design, limit)
+    if not tried:
+        return limits if tried is None else []
+    return [*(row for row in limits if row[1] != "torsion_deg"), *tried]
 
 
 def _number(value: float | str | None, step: Callable[[float], int]) -> float:

@@ -19,19 +19,26 @@ class LimitError(DdgError):
     summary : the limits, with how many pieces are beyond them and the worst, in one line
     problems : the same in full
     settings : (section, key, value) with which the limits may be kept
+    advice : what else to do where no setting helps
     """
 
     def __init__(
-        self, problems: Sequence[Problem], settings: Sequence[tuple[str, str, Any]]
+        self,
+        problems: Sequence[Problem],
+        settings: Sequence[tuple[str, str, Any]],
+        advice: str = "",
     ) -> None:
         self.summary = "; ".join(problem.short() for problem in problems)
         self.problems, self.settings = tuple(problems), tuple(settings)
+        self.advice = "" if settings else advice
         lines = [f"{self.summary}; nothing was made"]
         if settings:
             what = ", ".join(
                 f"{section}.{key} = {argument_text(value)}" for section, key, value in settings
             )
             lines.append(f"What helps: {what}")
+        elif advice:
+            lines.append(advice)
         lines.append("To make the parts all the same, and reject them: anyway=True")
         super().__init__("\n".join(lines))
 
@@ -55,7 +62,7 @@ def check_limits(product: Product) -> None:
     """
     problems = problems_known(product)
     if problems:
-        raise LimitError(problems, product.remedies(problems))
+        raise LimitError(problems, product.remedies(problems), product.nothing_helps)
 
 
 def problems_known(product: Product) -> tuple[Problem, ...]:

@@ -32,6 +32,7 @@ class Product(ABC):
     libraries : distributions that shape it, whose versions belong into the manifest
     sources : files that it is made from
     shown_first : files that a person opens first, where they are written
+    nothing_helps : what to do where limits are not kept and no setting helps
     """
 
     name: str
@@ -44,6 +45,7 @@ class Product(ABC):
     libraries: tuple[str, ...] = ()
     sources: Sources = Sources()
     shown_first: tuple[str, ...] = ("assembly.step", "preview.png")
+    nothing_helps: str = ""
 
     @abstractmethod
     def material(self, role: Role) -> Material:

@@ -24,7 +24,7 @@ from watch import Watch, run  # noqa: E402
 from ddgfab.mesh import Mesh  # noqa: E402
 from fabrication import design  # noqa: E402
 from fabrication.checks.mesh import to_manifold  # noqa: E402
-from fabrication.gridshell.product import CHORD_MM  # noqa: E402
+from fabrication.gridshell.room import CHORD_MM  # noqa: E402
 from fabrication.solids import mesh_of  # noqa: E402
 
 CHORD = 1e-3

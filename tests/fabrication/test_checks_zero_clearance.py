@@ -14,7 +14,7 @@ from ddgfab.mesh import Mesh
 from fabrication import design
 from fabrication.checks.assembly import check_assembly
 from fabrication.checks.mesh import to_manifold
-from fabrication.gridshell.product import CHORD_MM
+from fabrication.gridshell.room import CHORD_MM
 from fabrication.parts.panel import PanelShape
 from fabrication.solids import mesh_of
 from fabrication.specs import Check, Family, Instance, TriangleMesh

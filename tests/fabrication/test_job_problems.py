@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from fabrication.gridshell.design import Design
-from fabrication.gridshell.product import clearances
+from fabrication.gridshell.room import clearances
 from fabrication.job.problems import problems_of
 from fabrication.specs import Check
 

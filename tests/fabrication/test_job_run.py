@@ -18,7 +18,7 @@ from roofs import barrel
 from ddgfab.errors import OutputError
 from fabrication.formats.stl import read_stl
 from fabrication.gridshell.design import Design, design
-from fabrication.gridshell.product import CHORD_MM
+from fabrication.gridshell.room import CHORD_MM
 from fabrication.job.result import JobResult
 from fabrication.job.run import make
 
