@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
 from ddgfab.mesh import Mesh, extent
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.project import Project
+from fabrication.standards import stock_lengths
 from fabrication.standards.data import table
 
 INWARD = (
@@ -30,7 +32,7 @@ def unlikely(project: Project, mesh: Mesh, gridshell: Gridshell) -> tuple[str, .
     found = [
         text
         for quantity, values, marks in _quantities(project, mesh, gridshell)
-        if (text := _judged(quantity, values, marks))
+        if (text := _judged(_rule(quantity, project), values, marks))
     ]
     if looks_inward(mesh):
         found.append(INWARD)
@@ -70,9 +72,21 @@ def _quantities(
     yield "pane_side", sides, [panel.mark for panel in gridshell.panels for _ in range(2)]
 
 
-def _judged(quantity: str, values: list[float], marks: list[str]) -> str:
+def _rule(quantity: str, project: Project) -> Mapping[str, Any]:
+    """Limits of a quantity and their source; bars are no longer than the stock of their profile."""
+    rule: Mapping[str, Any] = table("plausible")[quantity]
+    if quantity != "bar_length":
+        return rule
+    section = project.beam.section()
+    stock = stock_lengths(section)
+    if stock is None or max(stock[0]) >= rule["high"]:
+        return rule
+    source = f"{section.name}: {stock[1]}; longer ones are spliced, or made to order"
+    return {**rule, "high": max(stock[0]), "source": source}
+
+
+def _judged(rule: Mapping[str, Any], values: list[float], marks: list[str]) -> str:
     """What is unlikely of a quantity, or an empty text."""
-    rule = table("plausible")[quantity]
     numbers = np.array(values, dtype=np.float64)
     below, above = numbers < rule["low"], numbers > rule["high"]
     for out, order, word in ((above, -numbers, "high"), (below, numbers, "low")):

@@ -7,7 +7,7 @@ from fabrication.standards.data import (
     stock_size,
 )
 from fabrication.standards.printers import Printer, printer, printer_keys
-from fabrication.standards.profiles import lying, polygon, profile
+from fabrication.standards.profiles import lying, polygon, profile, stock_lengths
 
 __all__ = [
     "Printer",
@@ -19,5 +19,6 @@ __all__ = [
     "printer",
     "printer_keys",
     "profile",
+    "stock_lengths",
     "stock_size",
 ]

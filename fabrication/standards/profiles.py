@@ -99,6 +99,15 @@ def polygon(points: Sequence[Sequence[float]], name: str = "polygon") -> Profile
     return Profile(name, (Loop(corners, np.zeros(len(corners))),), width, float(spread[1]))
 
 
+def stock_lengths(section: Profile) -> tuple[tuple[float, ...], str] | None:
+    """Lengths [mm] in which a profile is usually delivered, and the source; None of free polygons.
+
+    A longer piece has to be spliced or made to order.
+    """
+    rule = table("profiles").get(section.name.partition(" ")[0])
+    return None if rule is None else (tuple(map(float, rule["stock"])), str(rule["stock_source"]))
+
+
 def lying(section: Profile) -> str:
     """Where a flat bar or hollow section lies on its side: so in words, and which one stands.
 

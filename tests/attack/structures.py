@@ -58,11 +58,14 @@ def pyramid(rng: np.random.Generator) -> Mesh:
 
 def settings(rng: np.random.Generator) -> dict[str, dict[str, Any]]:
     """Settings that let parts come near each other, or through each other."""
+    profile = str(rng.choice(["FL 60x8", "RHS 60x40x3", "T 50x50x6", "SHS 50x4"]))
+    # A coped hollow section has no exact boundary: the kernel takes seconds for each fine mesh.
+    ends = ["flat"] if "HS" in profile and rng.random() < 0.9 else ["flat", "cope"]
     return {
         "beam": {
-            "profile": str(rng.choice(["FL 60x8", "RHS 60x40x3", "T 50x50x6", "SHS 50x4"])),
+            "profile": profile,
             "clearance_mm": float(rng.choice([0.0, 0.02, 0.5, 3.0])),
-            "end": str(rng.choice(["flat", "cope"])),
+            "end": str(rng.choice(ends)),
             "eccentricity_mm": float(rng.uniform(-15, 15)),
             "min_length_mm": 50.0,
         },

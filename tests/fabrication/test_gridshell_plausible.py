@@ -66,6 +66,31 @@ def test_unlikely_quantities_are_told_with_limit_and_source(name: str) -> None:
     assert not told(vault(size), **sections, checks={"plausibility": "ignore"})
 
 
+@pytest.mark.parametrize(
+    ("profile", "length", "limit"),
+    [
+        ("FL 150x15", 11.9e3, None),
+        ("FL 150x15", 12.6e3, "is over 12000 mm: FL 150x15: bars are rolled"),
+        ("T 100x100x11", 12.6e3, "is over 12000 mm: T 100x100x11: bars are rolled"),
+        ("RHS 200x100x8", 12.6e3, None),
+        ("RHS 200x100x8", 13.9e3, "is over 13600 mm: a semi-trailer"),
+        ("SHS 120x6", 13.9e3, "is over 13600 mm: a semi-trailer"),
+        ([[-40, -100], [40, -100], [40, 100], [-40, 100]], 13.9e3, "is over 13600 mm"),
+    ],
+)
+def test_bars_are_compared_with_the_stock_of_their_profile(
+    profile: Any, length: float, limit: str | None
+) -> None:
+    panel = {"max_size_mm": [3e4, 3e4]}
+    found = told(vault(length), beam={"profile": profile}, panel=panel)
+    found = [note for note in found if "between its nodes is over" in note or "nodes (" in note]
+    if limit is None:
+        assert found == []
+    else:
+        assert len(found) == 1
+        assert limit in found[0]
+
+
 def test_the_gap_is_compared_with_the_pane() -> None:
     (gap,) = told(vault(400.0), panel={"gap_mm": 95.0})
     assert "the gap of 95 mm is over a fifth" in gap

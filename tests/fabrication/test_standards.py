@@ -16,6 +16,7 @@ from fabrication.standards import (
     node_diameters,
     polygon,
     profile,
+    stock_lengths,
     stock_size,
 )
 from fabrication.standards.data import table
@@ -166,6 +167,17 @@ def test_crossing_is_found_where_it_is() -> None:
     bow: Floats = np.array([[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]])
     assert first_crossing(bow) == (0, 2)
     assert first_crossing(bow[[0, 2, 1, 3]]) is None
+
+
+def test_every_family_has_stock_lengths_with_a_source() -> None:
+    for family, size in (("FL", "60x8"), ("RHS", "60x40x3"), ("SHS", "60x4"), ("T", "60x60x7")):
+        found = stock_lengths(profile(f"{family} {size}"))
+        assert found is not None
+        lengths, source = found
+        assert list(lengths) == sorted(lengths)
+        assert 6000.0 in lengths  # what wholesalers have
+        assert len(source) > 40
+    assert stock_lengths(polygon([[-10, 0], [10, 0], [0, 10]])) is None
 
 
 def test_bolts_nodes_and_materials() -> None:
