@@ -69,6 +69,7 @@ ROOMS = [
     "formats",
     "meshes_in",
     "surfaces_in",
+    "cutting",
     "project",
     "table",
     "pictures",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, TypeAlias
 
 from ddgfab.errors import InputError
 from fabrication.boundary import Boundary
+from fabrication.formats.tables import Legend
 from fabrication.solids import Realised, boundary_of, solid_of
 from fabrication.specs import (
     Check,
@@ -54,12 +55,43 @@ class Header:
 
 
 @dataclass(frozen=True)
+class Title:
+    """The title block of what people print: plain text on one line each, of any length.
+
+    Attributes
+    ----------
+    title : of the project
+    number, revision : the project's number, and which version of it this is
+    date : YYYY-MM-DD, or empty where none is known
+    author, client : who made it, and whom for
+    """
+
+    title: str = ""
+    number: str = ""
+    revision: str = ""
+    date: str = ""
+    author: str = ""
+    client: str = ""
+
+
+@dataclass(frozen=True)
 class About:
-    """What files state of their origin, and [output.options]: by format, by name of an option."""
+    """What files state of their origin.
+
+    Attributes
+    ----------
+    project : name
+    header : of files that have one
+    options : [output.options]: by format, by name of an option
+    title : the title block
+    conventions : how signs, sides and counts in the schedules go, a sentence each
+    """
 
     project: str
     header: Header
     options: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    title: Title = Title()
+    conventions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -139,6 +171,7 @@ class Whole:
     shown : the same as models and pictures show them
     failed : marks of pieces that failed a check or a limit
     tables : schedules by name, as rows
+    legends : what they and their columns mean, by name
     plates : for each print plate, what stands where on it
     problems : what failed, a line each; empty but for formats that are reports
     mates : holes that must have one axis
@@ -150,6 +183,7 @@ class Whole:
     shown: Sequence[Family]
     failed: frozenset[str] = frozenset()
     tables: Mapping[str, Sequence[Row]] | None = None
+    legends: Mapping[str, Legend] = field(default_factory=dict)
     plates: Sequence[Sequence[Standing]] = ()
     problems: tuple[str, ...] = ()
     mates: Sequence[Mate] = ()

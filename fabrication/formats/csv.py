@@ -1,11 +1,11 @@
-"""CSV: a file a schedule, from rows that are plain dictionaries."""
+"""CSV: a file a schedule, from rows of plain values; columns.csv says what its columns mean."""
 
 from __future__ import annotations
 
 import csv
 import io
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -13,20 +13,31 @@ from ddgfab.errors import InputError, clipped
 from ddgfab.io.atomic import atomic_write
 from fabrication.formats.base import Format, Whole
 from fabrication.formats.report import FileReport
-from fabrication.formats.tables import SCHEDULES, Row, columns_of, decimals, text_of
+from fabrication.formats.tables import (
+    SCHEDULES,
+    Legend,
+    Row,
+    columns_of,
+    decimals,
+    text_of,
+    unit_of,
+)
 from fabrication.specs import Check
+
+COLUMNS: Final = f"{SCHEDULES}/columns.csv"
+"""File with unit and meaning of every column of every schedule."""
 
 
 class Csv(Format):
-    """CSV: schedules/NAME.csv for each schedule."""
+    """CSV: schedules/NAME.csv for each schedule, and schedules/columns.csv."""
 
     name = "csv"
     suffixes = (".csv",)
     by_default = "always"
 
     def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
-        """A file a schedule."""
-        return [f"{SCHEDULES}/{name}.csv" for name in tables]
+        """A file a schedule, and their legend."""
+        return [*(f"{SCHEDULES}/{name}.csv" for name in tables), COLUMNS]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """See `csv_text`."""
@@ -34,6 +45,8 @@ class Csv(Format):
         for name, rows in (whole.tables or {}).items():
             path = folder / SCHEDULES / f"{name}.csv"
             path.write_bytes(csv_text(rows).encode("utf-8"))
+        legend = column_rows(whole.tables or {}, whole.legends)
+        (folder / COLUMNS).write_bytes(csv_text(legend, LEGEND).encode("utf-8"))
         return []
 
     def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
@@ -50,6 +63,12 @@ class Csv(Format):
             whole_rows = header == columns_of(rows) and all(len(r) == len(header) for r in found)
             right = whole_rows and len(found) == len(rows)
             checks.append(Check(f"csv {name} rows", right, float(len(found)), float(len(rows))))
+        wanted = sum(len(columns_of(rows)) for rows in (whole.tables or {}).values())
+        with (folder / COLUMNS).open(encoding="utf-8", newline="") as file:
+            explained = sum(1 for _ in csv.reader(file)) - 1
+        checks.append(
+            Check("csv columns rows", explained == wanted, float(explained), float(wanted))
+        )
         return checks
 
     def inspect(self, path: Path) -> FileReport:
@@ -58,6 +77,25 @@ class Csv(Format):
 
 
 FORMAT: Final = Csv()
+
+LEGEND: Final = ("table", "column", "unit", "meaning")
+"""Columns of columns.csv."""
+
+
+def column_rows(
+    tables: Mapping[str, Sequence[Row]], legends: Mapping[str, Legend]
+) -> list[dict[str, str]]:
+    """Table, name, unit and meaning of every column of every schedule."""
+    return [
+        {
+            "table": name,
+            "column": column,
+            "unit": unit_of(column),
+            "meaning": legends.get(name, Legend()).meaning(column),
+        }
+        for name, rows in tables.items()
+        for column in columns_of(rows)
+    ]
 
 
 def csv_text(rows: Sequence[Row], columns: Sequence[str] | None = None) -> str:

@@ -1,29 +1,42 @@
-"""XLSX: one Excel workbook, a sheet and a table a schedule."""
+"""XLSX: one Excel workbook, made to be printed: a cover, a sheet a schedule, and a legend."""
 
 from __future__ import annotations
 
 import io
-import os
 import re
 import struct
 import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
-from datetime import datetime, timedelta
+from datetime import datetime
 from pathlib import Path
-from typing import Any, Final
+from typing import ClassVar, Final
 
 from ddgfab.errors import OutputError, clipped
 from ddgfab.io.atomic import atomic_write
-from fabrication.formats.base import Format, Whole
-from fabrication.formats.tables import SCHEDULES, Row, columns_of, decimals, plain
+from fabrication.formats.base import Format, Title, Whole
+from fabrication.formats.dates import epoch_time
+from fabrication.formats.tables import SCHEDULES, Legend, Row, columns_of
+from fabrication.formats.workbook import (
+    FONT,
+    PAPERS,
+    Book,
+    add_columns,
+    add_cover,
+    add_table,
+    has_total,
+)
 from fabrication.specs import Check
 
 WORKBOOK: Final = f"{SCHEDULES}/schedule.xlsx"
 """Name of the file."""
 
-_EPOCH: Final = datetime(2000, 1, 1)  # written as the creation date unless SOURCE_DATE_EPOCH is set
-_WIDEST: Final = 40
+LONGEST_PROPERTY: Final = 255
+"""Characters of a property of the file."""
+
+_EPOCH: Final = datetime(2000, 1, 1)
+"""The date of creation where neither the project nor SOURCE_DATE_EPOCH has one."""
+
 _UNREADABLE: Final = (
     *(OSError, zipfile.BadZipFile, zlib.error, KeyError, ValueError, EOFError),
     *(NotImplementedError, RuntimeError, struct.error),
@@ -39,21 +52,28 @@ class Xlsx(Format):
     by_default = "always"
     needs = {"xlsxwriter": "xlsxwriter"}  # noqa: RUF012
     libraries = ("xlsxwriter",)
+    options: ClassVar[Mapping[str, tuple[str, ...]]] = {"paper": tuple(PAPERS)}
 
     def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
         """The workbook."""
         return [WORKBOOK]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
-        """See `write_xlsx`."""
+        """A cover, the schedules, and what their columns mean."""
         (folder / SCHEDULES).mkdir(exist_ok=True)
-        write_xlsx(folder / WORKBOOK, whole.tables or {})
+        write_xlsx(
+            folder / WORKBOOK,
+            whole.tables or {},
+            legends=whole.legends,
+            cover=whole,
+            paper=self.option(whole.about, "paper"),
+        )
         return []
 
     def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
-        """Read back: a sheet a schedule with as many rows, and its header."""
+        """Read back: a sheet a schedule with as many rows, its header, and its totals."""
         checks = []
-        for place, (name, rows) in enumerate((whole.tables or {}).items(), 1):
+        for place, (name, rows) in enumerate((whole.tables or {}).items(), 2):
             try:
                 with zipfile.ZipFile(folder / WORKBOOK) as book:
                     sheet = book.read(f"xl/worksheets/sheet{place}.xml")
@@ -61,8 +81,9 @@ class Xlsx(Format):
                 checks.append(Check(f"xlsx {name} readable", False, clipped(error)))
                 continue
             found = len(re.findall(rb"<row ", sheet))
-            # A schedule without rows may have no columns, and then no header either.
-            wanted = len(rows) + 1 if rows else min(found, 1)
+            # A schedule without rows may have no columns, and then an empty header.
+            below = has_total(rows, whole.legends.get(name, Legend()))
+            wanted = len(rows) + 1 + below if rows else min(found, 1)
             checks.append(Check(f"xlsx {name} rows", found == wanted, float(found), float(wanted)))
         return checks
 
@@ -74,10 +95,23 @@ def write_xlsx(
     path: Path,
     sheets: Mapping[str, Sequence[Row]],
     columns: Mapping[str, Sequence[str]] | None = None,
+    *,
+    legends: Mapping[str, Legend] | None = None,
+    cover: Whole | None = None,
+    paper: str = "A3",
 ) -> None:
     """Write rows as an Excel workbook, one sheet and one table a schedule (atomically).
 
-    Numbers are rounded as in the CSV; text is never taken for a formula or a link.
+    Numbers are rounded as in the CSV and shown with fewer decimals; text is never taken for a
+    formula or a link. Sheets print in landscape, as wide as the paper, with the header on every
+    page.
+
+    Parameters
+    ----------
+    columns : which, in order, by sheet; by default all
+    legends : titles, totals and meanings, by sheet
+    cover : what the cover is about; without it there is neither cover nor legend
+    paper : "A3" or "A4"
 
     Raises
     ------
@@ -93,55 +127,34 @@ def write_xlsx(
         "strings_to_formulas": False,
         "strings_to_urls": False,
         "strings_to_numbers": False,
+        "default_format_properties": FONT,
     }
+    known = legends or {}
     stream = io.BytesIO()
     with xlsxwriter.Workbook(stream, options) as workbook:
-        workbook.set_properties({"created": _created()})
+        title = Title() if cover is None else cover.about.title
+        workbook.set_properties({"created": _created(title), **_properties(title)})
+        book = Book(workbook, title, paper)
+        if cover is not None:
+            add_cover(book, cover)
         for name, rows in sheets.items():
             chosen = None if columns is None else columns.get(name)
-            _sheet(workbook, name, rows, list(chosen or columns_of(rows)))
+            legend = known.get(name, Legend())
+            add_table(book, name, rows, list(chosen or columns_of(rows)), legend)
+        if cover is not None:
+            add_columns(book, sheets, known)
     with atomic_write(path) as file:
         file.write(stream.getvalue())
 
 
-def _sheet(workbook: Any, name: str, rows: Sequence[Row], names: list[str]) -> None:
-    """One sheet: a real table with a frozen header and a number format a column."""
-    sheet = workbook.add_worksheet(name[:31])
-    sheet.freeze_panes(1, 0)
-    header = workbook.add_format({"bold": True})
-    for at, column in enumerate(names):
-        places = decimals(column)
-        values = [plain(row.get(column), places) for row in rows]
-        number = workbook.add_format({"num_format": f"0.{'0' * places}"})
-        sheet.write_string(0, at, column, header)
-        widest = len(column) + 3
-        for line, value in enumerate(values, start=1):
-            if isinstance(value, bool):
-                sheet.write_boolean(line, at, value)
-            elif isinstance(value, int):
-                sheet.write_number(line, at, value)
-            elif isinstance(value, float):
-                sheet.write_number(line, at, value, number)
-            elif value is not None:
-                sheet.write_string(line, at, value)
-                widest = max(widest, len(value) + 1)
-        sheet.set_column(at, at, min(widest, _WIDEST))
-    if rows and names:
-        table = re.sub(r"\W", "_", name) or "table"
-        sheet.add_table(
-            0,
-            0,
-            len(rows),
-            len(names) - 1,
-            {
-                "name": f"t_{table}",
-                "style": "Table Style Light 1",
-                "columns": [{"header": column} for column in names],
-            },
-        )
+def _properties(title: Title) -> dict[str, str]:
+    """What the file states of itself."""
+    found = {"title": title.title, "author": title.author, "subject": title.number}
+    return {key: text[:LONGEST_PROPERTY] for key, text in found.items() if text}
 
 
-def _created() -> datetime:
-    """The workbook's date: fixed, so that the same rows give the same bytes."""
-    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
-    return datetime(1970, 1, 1) + timedelta(seconds=int(epoch)) if epoch.isdigit() else _EPOCH
+def _created(title: Title) -> datetime:
+    """The workbook's date: never the clock's, so that the same rows give the same bytes."""
+    if found := epoch_time():
+        return found
+    return datetime.fromisoformat(title.date) if title.date else _EPOCH

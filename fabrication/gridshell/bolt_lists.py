@@ -130,6 +130,8 @@ def marks_of(row: Mapping[str, Any]) -> list[str]:
     """The pieces that a row of a schedule is about: of a bolt, the node and the beam."""
     if "node" in row and "beam" in row:
         return [row["node"], row["beam"]]
+    if "marks" in row:
+        return str(row["marks"]).split()
     return [row["mark"]] if "mark" in row else []
 
 

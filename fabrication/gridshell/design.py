@@ -20,7 +20,6 @@ from ddgfab.suggest import suggestion
 from ddgfab.support import SupportStructure
 from fabrication.families import families
 from fabrication.gridshell.axes import node_axes, notes_on_axes
-from fabrication.gridshell.bolt_lists import marks_of
 from fabrication.gridshell.detailing.gridshell import Gridshell, detail
 from fabrication.gridshell.given import Source, given_mesh, with_axes
 from fabrication.gridshell.load import load_project, make_project, project_for_mesh
@@ -75,13 +74,13 @@ class Design:
 
     @cached_property
     def schedules(self) -> dict[str, Table]:
-        """The schedules "panels", "beams" and "nodes": plain dictionaries as rows.
+        """The schedules by name ("bom", "panels", "beams", "nodes", ...): dictionaries as rows.
 
         Their status is that of the limits; solids and clearances are checked by the job.
         """
         beyond = rejected(self.gridshell.pieces)
-        tables = schedules(self.gridshell, self.families)
-        return {name: table.with_status(beyond, marks_of) for name, table in tables.items()}
+        tables, product = schedules(self.gridshell, self.families), self.product()
+        return {name: table.with_status(beyond, product.marks_of) for name, table in tables.items()}
 
     @property
     def beams(self) -> Table:

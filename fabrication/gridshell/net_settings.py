@@ -21,6 +21,7 @@ from fabrication.project.sections import (
     NotNegative,
     Positive,
     Section,
+    TitleSettings,
 )
 
 VertexIds = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(strict=False)]
@@ -32,18 +33,16 @@ SURFACE: Final = "surface"
 """The kind of net that is traced on a surface; all others are generated."""
 
 
-class GeneralSettings(Section):
-    """[project]: the name, and the size of the input.
+class GeneralSettings(TitleSettings):
+    """[project]: the name, the title block, and the size of the input.
 
     Attributes
     ----------
-    name : of the output folder; empty: the file's stem
     units : of the input's coordinates; none: what the file states in a comment, else millimetres
     scale : factor on the input's coordinates, before units
     median_edge_mm : instead of scale and units: the median edge becomes this long
     """
 
-    name: str = ""
     units: Unit | None = None
     scale: Positive = 1.0
     median_edge_mm: Positive | None = None

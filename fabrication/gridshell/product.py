@@ -17,7 +17,7 @@ from fabrication.gridshell.bolt_lists import marks_of, mates_of
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.remedies import remedies
 from fabrication.gridshell.room import CHORD_MM, gaps_kept
-from fabrication.gridshell.schedules import schedules
+from fabrication.gridshell.schedules import CONVENTIONS, schedules
 from fabrication.job.problems import Problem
 from fabrication.job.product import Product
 from fabrication.job.whole import PREVIEW
@@ -38,6 +38,7 @@ class GridshellProduct(Product):
     """A design of a gridshell, to be made."""
 
     chord = CHORD_MM
+    conventions = CONVENTIONS
     shown_first = (
         ASSEMBLY,
         PREVIEW,
@@ -57,6 +58,7 @@ class GridshellProduct(Product):
         self.pieces, self.families = design.gridshell.pieces, design.families
         self.output, self.verify = design.project.output, design.project.checks.verify
         self.seconds, self.sources = design.seconds, design.project.sources
+        self.title = design.project.project.block(self.name, self.output.author)
 
     def material(self, role: Role) -> Material:
         """Steel and glass, of the densities in the project."""

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from ddgfab.errors import ProjectError, clipped
 from ddgfab.suggest import suggestion
 from fabrication.gridshell.detailing.connections import registry as connections
 from fabrication.gridshell.detailing.nodes import registry as nodes
@@ -30,9 +31,16 @@ from fabrication.project.sections import (
     Section,
     Verify,
 )
+from fabrication.project.shop import StockSettings
 from fabrication.specs import Profile
 from fabrication.standards import density, polygon, profile, stock_size
 from fabrication.standards.fasteners import BoltSize
+from fabrication.standards.glass import build_up
+
+EdgeWork = Literal["cut", "arrissed", "ground", "smooth ground", "polished"]
+
+AGREE: Final = 1e-6
+"""How far, of its value, a thickness or density may be from that of the build-up."""
 
 EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
 """The built-in example."""
@@ -179,6 +187,9 @@ class PanelSettings(Section):
     Attributes
     ----------
     kind : "glass" or "none" (beams and nodes only)
+    build_up : of the pane from the outside inwards, such as "8/16Ar/6.6.2": plies in mm, dots in
+        laminates (two 6 mm plies with 2 films of PVB), cavities with Air, Ar or Kr; it sets
+        thickness_mm and density. Empty: one pane of thickness_mm
     thickness_mm : of the pane; default 12, e.g. two 6 mm plies
     gap_mm : joint between neighbouring panes, half on each side of pi(e)
     gap_at : the level where a square-sided pane keeps the gap: "tightest" (nowhere less),
@@ -186,20 +197,63 @@ class PanelSettings(Section):
     offset_mm : inner surface above the mesh face; "auto": the least multiple of 5 mm that clears
         all beams and nodes by 3 mm, at most 60
     edge : "square" to the pane, or "mitred" (parallel to pi(e))
+    edge_work, edge_work_boundary : of sides with a neighbour, and of those at the boundary, which
+        are seen: "cut", "arrissed", "ground", "smooth ground" or "polished" (EN 12150-1), codes C,
+        A, G, S and P in the schedule
+    step_mm : how far the inner panes of a build-up stand back at sides on the boundary; for the
+        order, the solids are made without steps
     corner_radius_mm : 0 leaves the corners sharp
     max_size_mm : smaller and larger side of the least rectangle; default jumbo stock, EN 572-2
     density : kg/m3; default glass, EN 572-1
     """
 
     kind: Literal["glass", "none"] = "glass"
+    build_up: str = ""
     thickness_mm: Positive = 12.0
     gap_mm: NotNegative = 12.0
     gap_at: Literal["tightest", "inner", "outer"] = "tightest"
     offset_mm: Literal["auto"] | Finite = "auto"
     edge: Literal["square", "mitred"] = "square"
+    edge_work: EdgeWork = "arrissed"
+    edge_work_boundary: EdgeWork = "polished"
+    step_mm: NotNegative = 0.0
     corner_radius_mm: NotNegative = 0.0
     max_size_mm: tuple[Positive, Positive] = Field(default=stock_size(), strict=False)
     density: Positive = density("glass")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_build_up(cls, values: Any) -> Any:
+        """Thickness and density of the build-up; given ones must agree with it."""
+        text = values.get("build_up") if isinstance(values, Mapping) else None
+        if not isinstance(text, str) or not text:
+            return values
+        try:
+            made = build_up(text)
+        except ProjectError as error:
+            raise ValueError(str(error)) from None
+        for key, own in (("thickness_mm", made.thickness), ("density", made.density)):
+            given = values.get(key, own)
+            if not isinstance(given, int | float) or abs(given - own) > AGREE * own:
+                raise ValueError(
+                    f'{key} = {clipped(given)} is not that of build_up = "{text}", {own:.6g}: '
+                    "leave one of the two out"
+                )
+        return {**values, "thickness_mm": made.thickness, "density": made.density}
+
+    @model_validator(mode="after")
+    def _steps(self) -> PanelSettings:
+        if self.step_mm > 0 and self.panes < 2:
+            raise ValueError(
+                f"step_mm = {self.step_mm:g} needs a build_up of two panes or more, such as "
+                '"8/16Ar/6.6"'
+            )
+        return self
+
+    @property
+    def panes(self) -> int:
+        """How many panes lie one above the other, with cavities between."""
+        return len(build_up(self.build_up).panes) if self.build_up else 1
 
 
 class CheckSettings(Section):
@@ -247,6 +301,7 @@ class Project(Section):
     node: NodeSettings = NodeSettings()
     connection: ConnectionSettings = ConnectionSettings()
     panel: PanelSettings = PanelSettings()
+    stock: StockSettings = StockSettings()
     checks: CheckSettings = CheckSettings()
     output: OutputSettings = Field(default_factory=OutputSettings)
     file: Path | None = Field(default=None, exclude=True)

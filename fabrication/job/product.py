@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-from fabrication.formats.base import About, Format, Header, Material, Standing
+from fabrication.formats.base import About, Format, Header, Material, Standing, Title
 from fabrication.formats.registry import find
 from fabrication.job.problems import Problem
 from fabrication.job.sources import Sources
@@ -27,6 +27,8 @@ class Product(ABC):
     name : of the project, and of the output folder by default
     pieces, families : every piece, and all part numbers with their instances
     chord : greatest distance [mm] of the meshes from the exact surfaces
+    title : title block of what people print
+    conventions : how signs, sides and counts in the schedules go, a sentence each
     output, verify : [output] of the project, and which files are read back
     seconds : what its design took, by step
     libraries : distributions that shape it, whose versions belong into the manifest
@@ -42,6 +44,8 @@ class Product(ABC):
     output: OutputSettings
     verify: Verify
     seconds: Mapping[str, float]
+    title: Title = Title()
+    conventions: tuple[str, ...] = ()
     libraries: tuple[str, ...] = ()
     sources: Sources = Sources()
     shown_first: tuple[str, ...] = ("assembly.step", "preview.png")
@@ -56,7 +60,9 @@ class Product(ABC):
         """Schedules by name, with the masses [kg] of the part numbers."""
 
     def marks_of(self, row: Mapping[str, Any]) -> Sequence[str]:
-        """The pieces that a row of a schedule is about: its mark, or all of its part number."""
+        """The pieces that a row of a schedule is about: its marks, or all of its part number."""
+        if "marks" in row:
+            return str(row["marks"]).split()
         if "mark" in row:
             return [row["mark"]]
         own = (f for f in self.families if f.number == row.get("number"))
@@ -98,8 +104,9 @@ class Product(ABC):
     def about(self) -> About:
         """What files state of their origin."""
         output = self.output
-        header = Header(output.author, output.organization, self.name)
-        return About(self.name, header, output.options)
+        author = output.author or self.title.author
+        header = Header(author, output.organization, self.name)
+        return About(self.name, header, output.options, self.title, self.conventions)
 
     def format(self, name: str) -> Format:
         """A format of [output] formats: of the registry, or of the product's own."""

@@ -203,14 +203,16 @@ class Steps:
         """The structure as made, with its schedules."""
         product = self.product
         with self._timed("schedules"):
-            tables = product.schedules({number: p.mass for number, p in self.parts.items()})
+            made = product.schedules({number: p.mass for number, p in self.parts.items()})
+            tables = {n: t.with_status(failed, product.marks_of) for n, t in made.items()}
         return Whole(
             about=self.shop.about,
             parts=self.parts,
             families=product.placed,
             shown=product.shown,
             failed=failed,
-            tables={n: t.with_status(failed, product.marks_of).rows for n, t in tables.items()},
+            tables={name: table.rows for name, table in tables.items()},
+            legends={name: table.legend for name, table in tables.items()},
             plates=product.plates,
             mates=product.mates,
         )

@@ -117,7 +117,10 @@ class Html(Format):
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """See `page_html`."""
-        tables = {name: Table(rows, name) for name, rows in (whole.tables or {}).items()}
+        tables = {
+            name: Table(rows, name, whole.legends.get(name))
+            for name, rows in (whole.tables or {}).items()
+        }
         write_page(folder / REPORT, self.page(tables, whole.problems), self.scene)
         return []
 

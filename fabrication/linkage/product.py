@@ -42,6 +42,7 @@ class KitProduct(Product):
         self.pieces, self.families = kit.linkage.pieces, kit.families
         self.output, self.verify = kit.project.output, kit.project.checks.verify
         self.seconds, self.sources = kit.seconds, kit.project.sources
+        self.title = kit.project.project.block(self.name, self.output.author)
 
     def material(self, role: Role) -> Material:
         """What the printer prints; metal pins are of steel."""

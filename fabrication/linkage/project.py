@@ -27,21 +27,20 @@ from fabrication.project.sections import (
     OutputSettings,
     Positive,
     Section,
+    TitleSettings,
     Verify,
 )
 from fabrication.project.toml import toml_text
 from fabrication.standards.printers import printer, printer_keys
 
 
-class NameSettings(Section):
-    """[project].
+class NameSettings(TitleSettings):
+    """[project]: the name, and the title block.
 
     Attributes
     ----------
     name : of the output folder; empty: the file's stem, or the kind of linkage
     """
-
-    name: str = ""
 
 
 class PrinterSettings(Section):

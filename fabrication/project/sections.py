@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from datetime import date, datetime
 from typing import Annotated, ClassVar, Final, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from ddgfab.errors import InputError
+from ddgfab.errors import InputError, clipped
+from fabrication.formats.base import Title
+from fabrication.formats.dates import epoch_time
 from fabrication.formats.registry import check_names, check_options, defaults, names
 
 LARGEST: Final = 1e9
@@ -39,6 +42,73 @@ class Section(BaseModel):
     def keys(cls) -> set[str]:
         """The keys that a file may have in this section."""
         return set(cls.model_fields)
+
+
+class TitleSettings(Section):
+    """[project].
+
+    Attributes
+    ----------
+    name : of the output folder; empty: the file's stem
+    title : of the project in what people print; empty: its name
+    number, revision : the project's number; which version of it this is
+    date : YYYY-MM-DD, in what people print; empty: that of SOURCE_DATE_EPOCH, or none
+    author : who made it; empty: the author of [output]
+    client : whom it is for
+    """
+
+    name: str = ""
+    title: str = ""
+    number: str = ""
+    revision: str = ""
+    date: str = ""
+    author: str = ""
+    client: str = ""
+
+    @field_validator("date", mode="before")
+    @classmethod
+    def _calendar(cls, value: object) -> object:
+        """A date as TOML has it, or as text."""
+        if isinstance(value, str) and value:
+            try:
+                if date.fromisoformat(value).isoformat() == value:
+                    return value
+            except ValueError:
+                pass
+        elif value == "":
+            return value
+        elif isinstance(value, date) and not isinstance(value, datetime):
+            return value.isoformat()
+        raise ValueError(f"date = {clipped(value)} must be a date such as 2026-11-30")
+
+    def block(self, name: str, author: str = "") -> Title:
+        """The title block; texts on one line, without what cannot be printed.
+
+        Parameters
+        ----------
+        name : of the project, where it has no title
+        author : where [project] has none
+        """
+        epoch = epoch_time()
+        texts = {
+            "title": self.title or name,
+            "number": self.number,
+            "revision": self.revision,
+            "date": self.date or (epoch.date().isoformat() if epoch else ""),
+            "author": self.author or author,
+            "client": self.client,
+        }
+        return Title(**{key: one_line(text) for key, text in texts.items()})
+
+
+def one_line(text: str) -> str:
+    r"""A text on one line, without control characters and others that no file can hold.
+
+    >>> one_line("Roof\n of\tthe \x00hall")
+    'Roof of the hall'
+    """
+    spaced = " ".join(text.split())
+    return "".join(character for character in spaced if character.isprintable())
 
 
 class OutputSettings(Section):

@@ -13,7 +13,7 @@ import pytest
 
 from ddgfab.errors import OutputError
 from fabrication.formats.csv import csv_text, write_csv
-from fabrication.formats.tables import columns_of
+from fabrication.formats.tables import columns_of, heading
 from fabrication.formats.xlsx import write_xlsx
 
 ROWS = [
@@ -70,15 +70,15 @@ def test_xlsx_holds_the_same_rows_as_tables(tmp_path: Path) -> None:
     book = openpyxl.load_workbook(path)
     assert book.sheetnames == ["beams", "nodes", "panels"]
     sheet = book["beams"]
-    assert sheet.freeze_panes == "A2"
+    assert sheet.freeze_panes == "B2"
     (table,) = sheet.tables.values()
     assert table.ref == f"A1:{chr(ord('A') + len(columns_of(ROWS)) - 1)}3"
     header, first, second = (list(row) for row in sheet.iter_rows(values_only=True))
-    assert header == columns_of(ROWS)
-    assert first[header.index("length_axis_mm")] == 1234.568
-    assert sheet.cell(2, header.index("length_axis_mm") + 1).number_format == "0.000"
+    assert header == [heading(column) for column in columns_of(ROWS)]
+    assert first[header.index("length axis [mm]")] == 1234.568
+    assert sheet.cell(2, header.index("length axis [mm]") + 1).number_format == "0.0"
     assert first[header.index("edge")] == 12
-    assert second[header.index("mitre_start_deg")] is None
+    assert second[header.index("mitre start [deg]")] is None
     evil = sheet.cell(3, 1)
     assert (evil.value, evil.data_type) == ("=1+1", "s")  # a text, not a formula
 

@@ -15,6 +15,7 @@ from detailing_cases import dome, fan, grid, vertical
 from ddgfab.errors import DdgError
 from ddgfab.mesh import Mesh, unit
 from fabrication.families import families
+from fabrication.formats.tables import heading
 from fabrication.gridshell.schedules import (
     beam_rows,
     family_masses,
@@ -24,14 +25,24 @@ from fabrication.gridshell.schedules import (
 )
 from fabrication.table import Table
 
-PANEL = ["mark", "number", "face", "sides", "area_m2", "mass_kg", "thickness_mm"]
-PANEL += ["width_mm", "height_mm", "planarity_mm", "planarity_class"]
+PANEL = ["mark", "number", "face", "sides", "size_class", "area_m2", "mass_kg", "thickness_mm"]
+PANEL += ["width_mm", "height_mm", "corner_radius_mm", "planarity_mm", "planarity_class"]
+PANEL += ["diagonal_13_mm", "diagonal_24_mm"]
 BEAM = ["mark", "number", "edge", "node_start", "node_end", "profile", "length_axis_mm"]
-BEAM += ["length_cut_mm", "mitre_start_deg", "mitre_end_deg", "torsion_deg", "mass_kg"]
+BEAM += [
+    "length_cut_mm",
+    "length_top_mm",
+    "length_bottom_mm",
+    "mitre_start_deg",
+    "mitre_end_deg",
+    "torsion_deg",
+    "mass_kg",
+]
 BEAM += ["panel_left", "panel_right"]
 BEAM += ["offset_start_mm", "offset_end_mm", "connection", "weld_mm"]
 NODE = ["mark", "number", "vertex", "valence", "x_mm", "y_mm", "z_mm"]
-NODE += ["axis_x", "axis_y", "axis_z", "diameter_mm", "height_mm", "mass_kg"]
+NODE += ["axis_x", "axis_y", "axis_z", "diameter_mm", "height_mm", "above_mm", "below_mm"]
+NODE += ["mark_radius_mm", "mass_kg"]
 
 
 def test_columns_are_those_of_the_contract() -> None:
@@ -39,12 +50,26 @@ def test_columns_are_those_of_the_contract() -> None:
     sides = [
         f"{w}_{k}{u}"
         for k in range(1, 5)
-        for w, u in (("edge", "_mm"), ("angle", "_deg"), ("dihedral", "_deg"), ("neighbour", ""))
+        for w, u in (
+            ("edge", "_mm"),
+            ("angle", "_deg"),
+            ("edge_work", ""),
+            ("beam", ""),
+            ("dihedral", "_deg"),
+            ("neighbour", ""),
+        )
     ]
     arms = [
         f"{w}_{k}{u}"
         for k in range(1, 5)
-        for w, u in (("beam", ""), ("azimuth", "_deg"), ("elevation", "_deg"))
+        for w, u in (
+            ("beam", ""),
+            ("azimuth", "_deg"),
+            ("elevation", "_deg"),
+            ("seat", "_mm"),
+            ("seat_depth", "_mm"),
+            ("seat_width", "_mm"),
+        )
     ]
     assert tables["panels"].columns == PANEL + sides
     assert tables["beams"].columns == BEAM
@@ -80,7 +105,7 @@ def test_ids_and_angles_agree_between_the_schedules(end: str) -> None:
     case = dome()
     shell = case.detail(beam={"end": end})
     tables = schedules(shell)
-    for table in tables.values():
+    for table in (tables["panels"], tables["beams"], tables["nodes"]):
         names = table.column("mark")
         assert len(set(names)) == len(names) == len(table)
     panels = {row["mark"] for row in tables["panels"]}
@@ -205,7 +230,7 @@ def test_tables_filter_sort_and_add_columns() -> None:
     priced = rim.with_column("price", lambda row: 2 * row["mass_kg"])
     assert priced.columns == [*table.columns, "price"]
     assert "price" not in table.columns
-    assert repr(table) == f"Table(beams: {len(table)} rows, 18 columns)"
+    assert repr(table) == f"Table(beams: {len(table)} rows, 20 columns)"
     assert isinstance(table[:3], Table)
     assert table.sort("panel_right").column("panel_right")[-1] is None
     with pytest.raises(KeyError, match="no column 'mass'"):
@@ -224,7 +249,7 @@ def test_files_and_data_frames(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     openpyxl = pytest.importorskip("openpyxl")
     table.to_xlsx(tmp_path / "nodes.xlsx")
     sheet = openpyxl.load_workbook(tmp_path / "nodes.xlsx")["nodes"]
-    assert [cell.value for cell in sheet[1]] == table.columns
+    assert [cell.value for cell in sheet[1]] == [heading(c) for c in table.columns]
     pytest.importorskip("pandas")
     assert table.to_dataframe()["mark"].tolist() == table.column("mark")
     monkeypatch.setitem(sys.modules, "pandas", None)

@@ -1,0 +1,110 @@
+"""Schedules of a gridshell as rows of plain values; no CAD is loaded.
+
+Shop dimensions come from the family's shape, topology from the piece. Where an instance was turned
+to share its number (a beam end for end, a panel or node about its normal or axis), ends, sides and
+arms are listed as the shared shape has them, so that the schedule matches the part as made.
+
+A row names the columns of the usual shapes in their order, without values; the shape's own
+`dimensions` fill them, and whatever else it lists follows at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from fabrication.families import families as make_families
+from fabrication.gridshell.bolt_lists import bolt_tables
+from fabrication.gridshell.detailing.gridshell import Gridshell
+from fabrication.gridshell.schedules import beams, bolts, bom, cutting, joints, nodes, panels
+from fabrication.gridshell.schedules.beams import beam_rows
+from fabrication.gridshell.schedules.bom import bom_rows, size_rows
+from fabrication.gridshell.schedules.common import Masses, family_masses
+from fabrication.gridshell.schedules.cutting import cut_rows
+from fabrication.gridshell.schedules.joints import joint_rows
+from fabrication.gridshell.schedules.nodes import node_rows
+from fabrication.gridshell.schedules.panels import panel_rows
+from fabrication.parts.panel import PANEL
+from fabrication.specs import Family, Role
+from fabrication.table import Table
+
+CONVENTIONS: Final = (
+    "Outside is where the node axes point: the side of the panes that the weather sees.",
+    "Sides of a pane are counted counterclockwise as seen from outside; corner 1 begins side 1, "
+    "angle "
+    "k is at corner k. Sides, angles and diagonals are those of the outer surface at sharp "
+    "corners.",
+    "The mark of a pane goes on its outside face at corner 1, so that side 1 is found on site.",
+    "A beam runs from its start to its end; left and right, and top, are as seen along it with "
+    "outside "
+    "up. A mitre is positive where the beam is longer at the top, at both ends alike.",
+    "A node is seen on its top end, from outside: a blind hole there marks azimuth 0, and azimuths "
+    "and arms are counted counterclockwise from it. Elevations are positive outwards.",
+    "In part files a beam begins with x = 0 at the start's cut, at the top of the profile, x runs "
+    "to "
+    "its end, z up; z of a node is its axis, x points to the mark; z of a pane points outwards, "
+    "its "
+    "inner surface is at z = 0.",
+    "A welded beam stands with its cut at the seat, the clearance between; a stud goes through a "
+    "hole "
+    "in the cut, on the axis of the thread in the node.",
+    "Rejected pieces are beyond a limit or failed a check: they are in the lists and their "
+    "totals, and "
+    "must not be ordered.",
+)
+"""How signs, sides and counts go."""
+
+__all__ = [
+    "CONVENTIONS",
+    "beam_rows",
+    "bom_rows",
+    "cut_rows",
+    "family_masses",
+    "joint_rows",
+    "node_rows",
+    "panel_rows",
+    "schedules",
+    "size_rows",
+]
+
+
+def schedules(
+    gridshell: Gridshell,
+    families: Sequence[Family] | None = None,
+    masses: Masses | None = None,
+) -> dict[str, Table]:
+    """The tables of a gridshell by name.
+
+    "bom", "panels", "beams" and "nodes", and where there are such: "sizes" of panes, "joints"
+    between them, "bars" (the cut list) and "stock", "bolts" and "fasteners". Families are found,
+    and masses computed from
+    the shapes, where they are not given.
+    """
+    project = gridshell.project
+    if families is None:
+        families = make_families(gridshell.pieces, gridshell.family_tolerance)
+    if masses is None:
+        masses = family_masses(families, project)
+
+    def material(role: Role) -> str:
+        return "glass" if role == PANEL.role else "steel"
+
+    bars, stock = cut_rows(families, project.stock.stock())
+    found = {
+        "bom": (bom_rows(families, masses, material), bom.BOM),
+        "panels": (panel_rows(gridshell, families, masses), panels.LEGEND),
+        "sizes": (size_rows(families, masses), bom.SIZES),
+        "joints": (joint_rows(gridshell), joints.LEGEND),
+        "beams": (beam_rows(gridshell, families, masses), beams.LEGEND),
+        "stock": (stock, cutting.STOCK),
+        "bars": (bars, cutting.BARS),
+        "nodes": (node_rows(gridshell, families, masses), nodes.LEGEND),
+    }
+    for name, table in bolt_tables(gridshell, families).items():
+        found[name] = (table.rows, bolts.LEGENDS[name])
+    always = ("bom", "panels", "beams", "nodes")
+    return {
+        name: Table(rows, name, legend)
+        for name, (rows, legend) in found.items()
+        if rows or name in always
+    }

@@ -1,0 +1,161 @@
+"""The schedule of beams: bars as a saw shop cuts and drills them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from fabrication.formats.tables import Legend
+from fabrication.gridshell.detailing.gridshell import Gridshell
+from fabrication.gridshell.schedules.common import (
+    MARK,
+    NUMBER,
+    Masses,
+    Row,
+    instances_of,
+    relative_frame,
+)
+from fabrication.parts.beam import BEAM, BeamShape
+from fabrication.specs import Family, Shape
+from fabrication.standards.profiles import z_range
+
+LEGEND: Final = Legend(
+    title="Beams",
+    about="a bar: what to saw, its cuts and holes, and the nodes and panes at it",
+    meanings={
+        "mark": MARK,
+        "number": NUMBER,
+        "edge": "edge of the mesh, counted from 0",
+        "node_start": "node at the start; x of the part runs from start to end",
+        "node_end": "node at the end",
+        "profile": "cross-section: depth x width, the depth upright along the node axes",
+        "length_axis_mm": "from node axis to node axis, along the edge of the mesh",
+        "length_cut_mm": "length of the bar to saw, over all, from long point to long point",
+        "length_top_mm": "from cut to cut along the top of the profile, in its middle",
+        "length_bottom_mm": "from cut to cut along the bottom of the profile, in its middle",
+        "mitre_start_deg": "angle between the start's cut and a square one, seen from the side; "
+        "positive where the beam is longer at the top",
+        "mitre_end_deg": "the same at the end, with the same sign: positive is longer at the top",
+        "skew_start_deg": "angle between the start's cut and a square one, seen from above; "
+        "positive "
+        "where the beam is longer on its left, looking from start to end: with a mitre a compound "
+        "cut",
+        "skew_end_deg": "the same at the end, with the same sign: positive is longer on the left",
+        "roll_start_deg": "angle from the beam's own upright to the axis of the start's node, "
+        "positive "
+        "to the left, looking from start to end",
+        "roll_end_deg": "the same for the node at the end",
+        "hole_start_up_mm": "where the axis of the hole in the start's cut leaves it: height "
+        "above the "
+        "bottom of the profile; the axis is square to the cut, in the middle of the width",
+        "hole_start_diameter_mm": "diameter of that hole",
+        "plate_start_mm": "thickness of the plate, or of the solid end, that the hole goes through",
+        "opening_start_mm": "length along the beam of the opening behind it",
+        "opening_start_height_mm": "height of that opening, in a hollow section its width",
+        "hole_end_up_mm": "the same at the end",
+        "hole_end_diameter_mm": "the same at the end",
+        "plate_end_mm": "the same at the end",
+        "opening_end_mm": "the same at the end",
+        "opening_end_height_mm": "the same at the end",
+        "torsion_deg": "angle between the planes of the edge with either node axis: 0 is a single "
+        "mitre, never a compound cut",
+        "mass_kg": "mass of one beam",
+        "panel_left": "pane on the left, looking from start to end, outside up; empty: the "
+        "boundary",
+        "panel_right": "pane on the right",
+        "offset_start_mm": "from the axis of the node at the start to the cut, along the top of "
+        "the "
+        "profile; with length_top_mm and offset_end_mm the length from axis to axis",
+        "offset_end_mm": "the same at the end",
+        "connection": "how its ends are joined to the nodes",
+        "weld_mm": "throat thickness of the fillet weld round the ends; empty: not welded",
+    },
+    totals=("mass_kg", "length_cut_mm"),
+    unprinted=("edge",),
+)
+
+
+def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) -> list[Row]:
+    """Rows of the beam schedule, by edge.
+
+    length_cut_mm is the length of the bar to saw, over all; a mitre [deg] between cut and square
+    cut is positive where the beam is longer at the top. Where node axes leave torsion in the beams
+    there are four columns more: a skew [deg] between cut and square cut as seen from above,
+    positive where the beam is longer on its left (a compound angle, where there is a mitre too),
+    and a roll [deg] from the beam's own upright to the node axis, positive to the left as seen
+    from the start.
+    """
+    twisted = any(any(beam.roll) for beam in gridshell.beams)
+    pieces = {beam.mark: beam for beam in gridshell.beams}
+    rows = {}
+    for family, instance in instances_of(families, BEAM):
+        beam = pieces[instance.mark]
+        nodes, panels, roll = beam.nodes, beam.panels, np.degrees(beam.roll).tolist()
+        offsets = beam.offsets
+        if relative_frame(beam, instance)[0, 0] < 0:  # turned end for end
+            offsets = offsets[::-1]
+            nodes, panels, roll = nodes[::-1], panels[::-1], [-roll[1], -roll[0]]
+        torsion = (
+            {
+                "skew_start_deg": 0.0,
+                "skew_end_deg": 0.0,
+                "roll_start_deg": roll[0],
+                "roll_end_deg": roll[1],
+            }
+            if twisted
+            else {}
+        )
+        row: Row = {
+            "mark": beam.mark,
+            "number": family.number,
+            "edge": beam.edge,
+            "node_start": nodes[0],
+            "node_end": nodes[1],
+            "profile": None,
+            "length_axis_mm": beam.length_axis,
+            "length_cut_mm": None,
+            **_lengths(family.shape),
+            "mitre_start_deg": None,
+            "mitre_end_deg": None,
+            "torsion_deg": float(np.degrees(beam.torsion)),
+            **torsion,
+            **_studs(family.shape),
+            "mass_kg": masses[family.number],
+            "panel_left": panels[0],
+            "panel_right": panels[1],
+            "offset_start_mm": offsets[0],
+            "offset_end_mm": offsets[1],
+            "connection": gridshell.joined.kind,
+            "weld_mm": gridshell.joined.weld,
+        }
+        rows[beam.mark] = {**row, **family.shape.dimensions()}
+    return [rows[beam.mark] for beam in gridshell.beams]
+
+
+def _lengths(shape: Shape) -> Row:
+    """From cut to cut at the top and the bottom of the profile."""
+    if not isinstance(shape, BeamShape):
+        return {}
+    low, high = z_range(shape.profile)
+    return {
+        f"length_{name}_mm": shape.end.x - shape.start.x + z * (shape.end.slope - shape.start.slope)
+        for name, z in (("top", high), ("bottom", low))
+    }
+
+
+def _studs(shape: Shape) -> Row:
+    """Holes through the ends, and the openings behind them."""
+    found: Row = {}
+    if not isinstance(shape, BeamShape):
+        return found
+    for name, cut in (("start", shape.start), ("end", shape.end)):
+        if cut.stud is not None:
+            low = z_range(shape.profile)[0]
+            found[f"hole_{name}_up_mm"] = cut.stud.z - low
+            found[f"hole_{name}_diameter_mm"] = cut.stud.diameter
+            found[f"plate_{name}_mm"] = cut.stud.plate
+            found[f"opening_{name}_mm"] = cut.stud.length
+            found[f"opening_{name}_height_mm"] = cut.stud.height
+    return found

@@ -1,0 +1,63 @@
+"""What the schedules of a gridshell share: rows, masses, and where a piece's own frame lies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+from ddgfab.mesh import Floats
+from fabrication.gridshell.pieces import Beam, Node, Panel
+from fabrication.gridshell.project import Project
+from fabrication.parts.beam import BEAM
+from fabrication.parts.fastener import FASTENER
+from fabrication.parts.node import NODE
+from fabrication.parts.panel import PANEL
+from fabrication.specs import Family, Instance, Kind
+from fabrication.standards import mass_kg
+from fabrication.standards.fasteners import steel_density
+
+Row: TypeAlias = dict[str, Any]
+Masses: TypeAlias = Mapping[str, float]
+
+MARK: Final = "piece mark, on the part and in the assembly: one piece of the structure"
+NUMBER: Final = "part number: pieces of one number are congruent and have one STEP file"
+
+
+def family_masses(families: Sequence[Family], project: Project) -> dict[str, float]:
+    """Mass [kg] of one instance of each part number: closed-form volume times density.
+
+    Raises
+    ------
+    DetailError
+        A shape that cannot be made.
+    """
+    from fabrication.solids import volume_of
+
+    density = {
+        BEAM.role: project.beam.density,
+        NODE.role: project.node.density,
+        PANEL.role: project.panel.density,
+        FASTENER.role: steel_density(),
+    }
+    return {
+        family.number: mass_kg(volume_of(family.shape), density[family.role]) for family in families
+    }
+
+
+def instances_of(families: Sequence[Family], kind: Kind) -> Iterator[tuple[Family, Instance]]:
+    """Part numbers of a kind with each of their pieces."""
+    for family in families:
+        if family.kind.role == kind.role:
+            for instance in family.instances:
+                yield family, instance
+
+
+def relative_frame(piece: Beam | Node | Panel, instance: Instance) -> Floats:
+    """(4, 4) from the frame of the family's shape to the piece's own frame."""
+    own, placed = piece.placement, instance.placement
+    relative = np.eye(4)
+    relative[:3, :3] = own[:3, :3].T @ placed[:3, :3]
+    relative[:3, 3] = own[:3, :3].T @ (placed[:3, 3] - own[:3, 3])
+    return relative

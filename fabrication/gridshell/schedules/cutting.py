@@ -1,0 +1,95 @@
+"""The cut list: which beams come out of which bar of stock, and what it takes in all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from fabrication.cutting import Bar, Stock, cut_from_stock
+from fabrication.formats.tables import Legend
+from fabrication.gridshell.schedules.common import Row, instances_of
+from fabrication.parts.beam import BEAM
+from fabrication.specs import Family
+
+BARS: Final = Legend(
+    title="Cut list by stock",
+    about="a bar of stock, or so many that are cut alike, and the beams that come out of it",
+    meanings={
+        "profile": "cross-section of the bar",
+        "stock_mm": "length of the bar as it is bought; empty: no stock is long enough for the "
+        "beam, "
+        "to be spliced or ordered by length",
+        "quantity": "how many beams come out of the bar",
+        "used_mm": "lengths to saw of these beams, over all; bars are cut square, mitres after it",
+        "rest_mm": "what is left of the bar after its cuts and the trim of both ends",
+        "cuts": "mark and length to saw [mm] of each beam, the longest first",
+        "marks": "the beams",
+    },
+    totals=("quantity", "stock_mm", "used_mm", "rest_mm"),
+    unprinted=("marks",),
+)
+
+STOCK: Final = Legend(
+    title="Stock to buy",
+    about="bars of one profile and length: how many, and how much of them is waste",
+    meanings={
+        "profile": "cross-section of the bars",
+        "stock_mm": "length of a bar as it is bought; empty: by length",
+        "bars": "how many bars",
+        "quantity": "how many beams come out of them",
+        "used_mm": "lengths to saw of these beams, over all",
+        "bought_mm": "length of all these bars",
+        "waste_percent": "what is bought and not used, of what is bought",
+        "least_bars": "fewest bars of the longest stock from which all beams of the profile could "
+        "be "
+        "cut (bound of Martello and Toth 1990), whatever the order of cuts",
+    },
+    totals=("bars", "quantity", "used_mm", "bought_mm"),
+)
+
+
+def cut_rows(families: Sequence[Family], stock: Stock) -> tuple[list[Row], list[Row]]:
+    """Rows of the bars, and of the stock to buy, by profile."""
+    pieces: dict[str, list[tuple[str, float]]] = {}
+    for family, instance in instances_of(families, BEAM):
+        about = family.shape.dimensions()
+        if "profile" in about:
+            own = pieces.setdefault(about["profile"], [])
+            own.append((instance.mark, about["length_cut_mm"]))
+    bars, bought = [], []
+    for profile, found in sorted(pieces.items()):
+        found.sort()
+        cutting = cut_from_stock([length for _, length in found], stock)
+        bars += [_bar_row(profile, bar, found) for bar in cutting.bars]
+        by_length: dict[float | None, list[Bar]] = {}
+        for bar in cutting.bars:
+            by_length.setdefault(bar.length, []).append(bar)
+        for length, alike in sorted(by_length.items(), key=lambda item: item[0] or 0.0):
+            used = sum(found[k][1] for bar in alike for k in bar.pieces)
+            total = used if length is None else length * len(alike)
+            bought.append(
+                {
+                    "profile": profile,
+                    "stock_mm": length,
+                    "bars": len(alike),
+                    "quantity": sum(len(bar.pieces) for bar in alike),
+                    "used_mm": used,
+                    "bought_mm": total,
+                    "waste_percent": 100.0 * (1.0 - used / total),
+                    "least_bars": cutting.bound,
+                }
+            )
+    return bars, bought
+
+
+def _bar_row(profile: str, bar: Bar, found: Sequence[tuple[str, float]]) -> Row:
+    own = [found[k] for k in bar.pieces]
+    return {
+        "profile": profile,
+        "stock_mm": bar.length,
+        "quantity": len(own),
+        "used_mm": sum(length for _, length in own),
+        "rest_mm": bar.rest,
+        "cuts": ", ".join(f"{mark} {length:.1f}" for mark, length in own),
+        "marks": " ".join(mark for mark, _ in own),
+    }

@@ -1,0 +1,160 @@
+"""The schedule of nodes: round bars as a mill makes them, arm by arm from the mark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final, TypeVar
+
+import numpy as np
+
+from fabrication.formats.tables import Legend
+from fabrication.gridshell.detailing.gridshell import Gridshell
+from fabrication.gridshell.pieces import Node
+from fabrication.gridshell.schedules.common import (
+    MARK,
+    NUMBER,
+    Masses,
+    Row,
+    instances_of,
+    relative_frame,
+)
+from fabrication.parts.node import NODE, NodeShape
+from fabrication.parts.node.shape import RadialHole, Seat
+from fabrication.specs import Family, Instance, Shape
+
+NEAR: Final = 0.1
+"""Greatest difference of the azimuths [rad] of an arm and its seat: far less than between arms."""
+
+F = TypeVar("F", Seat, RadialHole)
+
+FULL_TURN: Final = 1e-9
+"""An azimuth this near [rad] below a full turn is 0."""
+
+
+LEGEND: Final = Legend(
+    title="Nodes",
+    about="a node: where it is, its bar, and seat, hole and beam of each arm from the mark",
+    meanings={
+        "mark": MARK,
+        "number": NUMBER,
+        "vertex": "vertex of the mesh, counted from 0",
+        "valence": "how many beams meet at it",
+        "x_mm": "position of the vertex, in the coordinates of the assembly",
+        "y_mm": "position of the vertex, in the coordinates of the assembly",
+        "z_mm": "position of the vertex, in the coordinates of the assembly",
+        "axis_x": "unit vector of the node's axis, pointing outwards",
+        "axis_y": "unit vector of the node's axis, pointing outwards",
+        "axis_z": "unit vector of the node's axis, pointing outwards",
+        "diameter_mm": "outside diameter of the bar or tube",
+        "height_mm": "length of the bar along the axis",
+        "above_mm": "from the vertex to the top end, along the axis",
+        "below_mm": "from the vertex to the bottom end, along the axis",
+        "mark_radius_mm": "from the axis to the blind hole in the top end, which marks azimuth 0",
+        "mass_kg": "mass of one node",
+        "beam_{k}": "beam at arm {k}; arms are counted counterclockwise from the mark, looking at "
+        "the top end from outside",
+        "azimuth_{k}_deg": "direction of arm {k} about the axis, counterclockwise from the mark, "
+        "looking at the top end from outside",
+        "elevation_{k}_deg": "rise of beam {k} above the plane across the axis, positive outwards",
+        "seat_{k}_mm": "from the axis to the flat milled at azimuth {k}, which is parallel to the "
+        "axis "
+        "and runs along the whole height",
+        "seat_depth_{k}_mm": "how deep that flat is milled into the cylinder: radius less seat {k}",
+        "seat_width_{k}_mm": "width of that flat",
+        "hole_{k}_mm": "height of the center of the radial hole of arm {k} above the bottom end",
+        "hole_{k}_diameter_mm": "diameter of that hole",
+        "hole_{k}_depth_mm": "its depth from the seat, or from the cylinder where there is none; "
+        "empty: through the wall of the tube",
+    },
+    totals=("mass_kg",),
+    unprinted=("vertex", "axis_x", "axis_y", "axis_z"),
+)
+
+
+def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) -> list[Row]:
+    """Rows of the node schedule, by vertex; azimuths counterclockwise from the part's mark."""
+    pieces = {node.mark: node for node in gridshell.nodes}
+    most = max((len(node.arms) for node in gridshell.nodes), default=0)
+    rows = {}
+    for family, instance in instances_of(families, NODE):
+        node = pieces[instance.mark]
+        x, y, z = node.position.tolist()
+        axis = node.axis.tolist()
+        row: Row = {
+            "mark": node.mark,
+            "number": family.number,
+            "vertex": node.vertex,
+            "valence": len(node.arms),
+            "x_mm": x,
+            "y_mm": y,
+            "z_mm": z,
+            "axis_x": axis[0],
+            "axis_y": axis[1],
+            "axis_z": axis[2],
+            "diameter_mm": None,
+            "height_mm": None,
+            **_ends(family.shape),
+            "mass_kg": masses[family.number],
+        }
+        arms = _arms_from_mark(node, instance)
+        for k in range(most):
+            azimuth, arm = arms[k] if k < len(arms) else (None, None)
+            row[f"beam_{k + 1}"] = arm.beam if arm else None
+            row[f"azimuth_{k + 1}_deg"] = None if azimuth is None else float(np.degrees(azimuth))
+            row[f"elevation_{k + 1}_deg"] = float(np.degrees(arm.elevation)) if arm else None
+            row |= _arm(family.shape, k + 1, azimuth)
+        rows[node.mark] = {**row, **family.shape.dimensions()}
+    return [rows[node.mark] for node in gridshell.nodes]
+
+
+def _arms_from_mark(node: Node, instance: Instance) -> list[tuple[float, Any]]:
+    """Azimuth from the mark and arm, counterclockwise; the first is the arm at the mark."""
+    relative = relative_frame(node, instance)
+    mark = float(np.arctan2(relative[1, 0], relative[0, 0]))
+    turned = np.array([arm.azimuth for arm in node.arms]) - mark
+    first = int(np.argmin(np.abs(np.remainder(turned + np.pi, 2 * np.pi) - np.pi)))
+    order = [*range(first, len(turned)), *range(first)]
+    azimuths = np.remainder(turned[order], 2 * np.pi)
+    if azimuths[0] > np.pi:  # a little before the mark, within the family's tolerance
+        azimuths[0] -= 2 * np.pi
+    if abs(azimuths[0]) < FULL_TURN:
+        azimuths[0] = 0.0
+    return [(float(a), node.arms[k]) for a, k in zip(azimuths, order, strict=True)]
+
+
+def _ends(shape: Shape) -> Row:
+    """Where the ends of the bar and its mark are."""
+    if not isinstance(shape, NodeShape):
+        return {}
+    mark = {} if shape.mark is None else {"mark_radius_mm": shape.mark.x}
+    return {"above_mm": shape.z1, "below_mm": -shape.z0, **mark}
+
+
+def _arm(shape: Shape, k: int, azimuth: float | None) -> Row:
+    """Seat and hole of an arm; None where it has none."""
+    if not isinstance(shape, NodeShape):
+        return {}
+    found: Row = {}
+    if shape.seats:
+        seat = _nearest(shape.seats, azimuth)
+        found[f"seat_{k}_mm"] = seat.distance if seat else None
+        found[f"seat_depth_{k}_mm"] = shape.radius - seat.distance if seat else None
+        found[f"seat_width_{k}_mm"] = seat.width if seat else None
+    if shape.holes:
+        hole = _nearest(shape.holes, azimuth)
+        found[f"hole_{k}_mm"] = hole.z - shape.z0 if hole else None
+        found[f"hole_{k}_diameter_mm"] = hole.diameter if hole else None
+        found[f"hole_{k}_depth_mm"] = hole.depth if hole else None
+    return found
+
+
+def _nearest(features: Sequence[F], azimuth: float | None) -> F | None:
+    """The seat or hole in a direction; None where there is none within a family's tolerance."""
+    if azimuth is None:
+        return None
+
+    def off(feature: F) -> float:
+        return abs(float(np.remainder(feature.azimuth - azimuth + np.pi, 2 * np.pi) - np.pi))
+
+    best = min(features, key=off)
+    return best if off(best) <= NEAR else None

@@ -1,0 +1,344 @@
+"""Lists for shops: parts list, sizes, joints, cut list; legend and workbook of the canopy's kin."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import openpyxl
+import pytest
+from detailing_cases import dome, fan, grid, vertical
+
+from ddgfab.errors import ProjectError
+from ddgfab.mesh import Mesh
+from fabrication.formats.tables import columns_of
+from fabrication.formats.workbook import COVER
+from fabrication.gridshell.design import Design, design
+from fabrication.gridshell.load import make_project
+from fabrication.gridshell.schedules import schedules
+from fabrication.job.result import JobResult
+from fabrication.standards.glass import build_up
+from fabrication.table import Table
+
+VARIANTS: dict[str, dict[str, dict[str, object]]] = {
+    "plain": {},
+    "bolted": {"beam": {"profile": "FL 80x40"}, "connection": {"kind": "stud"}},
+    "glazed": {"panel": {"build_up": "8/16Ar/6.6.2", "edge": "mitred", "step_mm": 30.0}},
+}
+
+
+def found_tables() -> dict[str, list[Table]]:
+    """Every table of some structures that together have every column there is."""
+    found: dict[str, list[Table]] = {}
+    shells = [dome().detail(**sections) for sections in VARIANTS.values()]
+    for tables in map(schedules, shells):
+        for name, table in tables.items():
+            found.setdefault(name, []).append(table.with_status(()))
+    return found
+
+
+def test_every_column_has_a_meaning_and_every_meaning_a_column() -> None:
+    torsion = {"skew_start_deg", "skew_end_deg", "roll_start_deg", "roll_end_deg"}
+    for name, tables in found_tables().items():
+        legend = tables[0].legend
+        columns = {column for table in tables for column in table.columns} - {"status"}
+        assert all(legend.meaning(column) for column in columns), name
+        used = {legend.key(column) for column in columns}
+        assert used == set(legend.meanings) - torsion - {"status"}, name
+        assert legend.title, name
+        assert legend.about, name
+        assert set(legend.totals) <= columns
+
+
+def test_meanings_name_the_number_of_their_column() -> None:
+    legend = schedules(dome().detail())["panels"].legend
+    assert "side 3" in legend.meaning("edge_3_mm")
+    assert "{k}" not in legend.meaning("angle_2_deg")
+    assert legend.meaning("no_such_column") == ""
+
+
+def test_parts_list_counts_every_piece_and_all_the_mass() -> None:
+    shell = dome().detail()
+    tables = schedules(shell)
+    bom = tables["bom"]
+    assert sum(bom.column("quantity")) == len(shell.pieces)
+    assert sorted(" ".join(bom.column("marks")).split()) == sorted(p.mark for p in shell.pieces)
+    each = sum(sum(tables[name].column("mass_kg")) for name in ("panels", "beams", "nodes"))
+    assert sum(bom.column("mass_kg")) == pytest.approx(each, rel=1e-12)
+    roles = {row["role"]: row["material"] for row in bom}
+    assert roles == {"beam": "steel", "node": "steel", "panel": "glass"}
+
+
+def test_size_classes_hold_their_panes() -> None:
+    tables = schedules(dome().detail())
+    panes = {row["mark"]: row for row in tables["panels"]}
+    assert sum(tables["sizes"].column("quantity")) == len(panes)
+    assert sum(tables["sizes"].column("area_m2")) == pytest.approx(
+        sum(tables["panels"].column("area_m2"))
+    )
+    for row in tables["sizes"]:
+        for mark in row["marks"].split():
+            assert panes[mark]["size_class"] == row["size_class"]
+            for side in ("width_mm", "height_mm"):
+                assert row[side] - 100.0 < panes[mark][side] <= row[side] + 1e-6
+        assert row["rectangles_m2"] > row["area_m2"]
+
+
+def test_a_pane_can_be_drawn_from_its_row() -> None:
+    """Sides and angles close; the diagonals are those of the figure they make."""
+    for row in schedules(dome().detail(panel={"corner_radius_mm": 8}))["panels"]:
+        sides = [row[f"edge_{k}_mm"] for k in range(1, 5)]
+        turns = [math.pi - math.radians(row[f"angle_{k}_deg"]) for k in range(1, 5)]
+        heading, corner = 0.0, 0j
+        corners = []
+        for k in range(4):
+            heading += turns[k] if k else 0.0
+            corners.append(corner)
+            corner += sides[k] * np.exp(1j * heading)
+        assert abs(corner) < 1e-6 * sum(sides)
+        assert abs(corners[2] - corners[0]) == pytest.approx(row["diagonal_13_mm"], rel=1e-9)
+        assert abs(corners[3] - corners[1]) == pytest.approx(row["diagonal_24_mm"], rel=1e-9)
+
+
+def test_joints_agree_with_panes_and_beams() -> None:
+    shell = dome().detail(checks={"family_tolerance_mm": 0.0})
+    tables = schedules(shell)
+    panes = {row["mark"]: row for row in tables["panels"]}
+    beams = {row["mark"]: row for row in tables["beams"]}
+    assert len(tables["joints"]) == len(beams)
+    gaskets = 0.0
+    for row in tables["joints"]:
+        beam = beams[row["beam"]]
+        assert {row["panel_left"], row["panel_right"]} == {beam["panel_left"], beam["panel_right"]}
+        own = [mark for mark in (row["panel_left"], row["panel_right"]) if mark]
+        assert row["place"] == ("inner" if len(own) == 2 else "boundary")
+        lengths = []
+        for mark in own:
+            k = next(k for k in range(1, 5) if panes[mark][f"beam_{k}"] == row["beam"])
+            lengths.append(panes[mark][f"edge_{k}_mm"])
+            if len(own) == 2:
+                assert panes[mark][f"dihedral_{k}_deg"] == pytest.approx(row["dihedral_deg"])
+                assert panes[mark][f"edge_work_{k}"] == "A"
+            else:
+                assert panes[mark][f"edge_work_{k}"] == "P"
+        assert row["clamp_mm"] == pytest.approx(min(lengths))
+        assert row["cap_mm"] == pytest.approx(max(lengths))
+        gaskets += sum(lengths)
+    assert sum(tables["joints"].column("gasket_mm")) == pytest.approx(gaskets)  # square edges
+
+
+def test_left_and_right_are_as_the_legend_says() -> None:
+    shell = dome().detail()
+    case = shell.mesh
+    for beam in shell.beams:
+        middle = case.vertices[list(beam.vertices)].mean(axis=0)
+        for mark, sign in zip(beam.panels, (1.0, -1.0), strict=True):
+            if mark is not None:
+                away = case.face_centres[int(mark[2:])] - middle
+                assert sign * (away @ beam.placement[:3, 1]) > 0
+
+
+def test_mitres_lengths_and_setbacks_of_a_beam_make_its_corners() -> None:
+    """Top and bottom length differ by the mitres over the depth; setbacks fill the axis length."""
+    for end in ("flat", "cope"):
+        shell = dome().detail(beam={"end": end}, checks={"family_tolerance_mm": 0.0})
+        for row in schedules(shell)["beams"]:
+            lean = math.tan(math.radians(row["mitre_start_deg"]))
+            lean += math.tan(math.radians(row["mitre_end_deg"]))
+            depth = shell.project.beam.section().depth
+            longer = row["length_top_mm"] - row["length_bottom_mm"]
+            assert longer == pytest.approx(depth * lean, abs=1e-9)
+            offsets = row["offset_start_mm"] + row["offset_end_mm"]
+            assert offsets + row["length_top_mm"] == pytest.approx(row["length_axis_mm"])
+
+
+def test_seats_of_a_node_are_its_arms() -> None:
+    shell = dome().detail(connection={"kind": "stud"}, beam={"profile": "FL 80x40"})
+    for row in schedules(shell)["nodes"]:
+        shape = shell.nodes[row["vertex"]].shape
+        for k in range(1, row["valence"] + 1):
+            assert row[f"seat_{k}_mm"] + row[f"seat_depth_{k}_mm"] == pytest.approx(shape.radius)
+            half = 0.5 * row[f"seat_width_{k}_mm"]
+            assert math.hypot(row[f"seat_{k}_mm"], half) == pytest.approx(shape.radius)
+            assert 0 < row[f"hole_{k}_mm"] < row["height_mm"]
+            assert row[f"hole_{k}_diameter_mm"] > 5.0
+        assert row["above_mm"] + row["below_mm"] == pytest.approx(row["height_mm"])
+
+
+def test_the_cut_list_has_every_beam_once_in_bars_that_hold_it() -> None:
+    shell = dome().detail(stock={"length_mm": [6000, 3000], "kerf_mm": 4, "trim_mm": 15})
+    tables = schedules(shell)
+    lengths = {row["mark"]: row["length_cut_mm"] for row in tables["beams"]}
+    seen = []
+    for row in tables["bars"]:
+        own = row["marks"].split()
+        seen += own
+        used = sum(lengths[mark] for mark in own)
+        assert row["used_mm"] == pytest.approx(used)
+        assert row["stock_mm"] in (3000.0, 6000.0)
+        assert used + 4 * (len(own) - 1) + 2 * 15 <= row["stock_mm"] + 1e-6
+        assert re.findall(r"B-\d+", row["cuts"]) == own
+    assert sorted(seen) == sorted(lengths)
+    assert sum(tables["stock"].column("bars")) == len(tables["bars"])
+    assert sum(tables["stock"].column("used_mm")) == pytest.approx(sum(lengths.values()))
+
+
+def test_a_beam_longer_than_all_stock_is_listed_without_one() -> None:
+    shell = vertical(grid(1, 1, side=3000.0)).detail(stock={"length_mm": [2000]})
+    tables = schedules(shell)
+    assert tables["bars"].column("stock_mm") == [None] * 4
+    assert tables["stock"][0]["waste_percent"] == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "thickness", "mass"),
+    [
+        ("12", 12.0, 30.0),
+        ("6.6", 12.76, 30.0 + 0.76 * 1.07),
+        ("6.6.4", 13.52, 30.0 + 1.52 * 1.07),
+        ("8/16Ar/6.6", 36.76, 50.0 + 0.76 * 1.07 + 16 * 1.699e-3),
+        ("4/12/4/12Kr/4.4.1", 40.38, 40.0 + 0.38 * 1.07 + 12 * (1.232 + 3.560) * 1e-3),
+    ],
+)
+def test_build_ups(text: str, thickness: float, mass: float) -> None:
+    made = build_up(text)
+    assert made.thickness == pytest.approx(thickness)
+    assert made.mass == pytest.approx(mass)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("8/16Ar", "has 2 elements"),
+        ("7", "no float glass of 7 mm"),
+        ("8/16Xe/6", 'no gas "Xe"'),
+        ("8/99/6", "6 to 24 mm wide"),
+        ("8.8.8", 'plies are written with their films, "8.8.8.2"'),
+        ("8//6", "is no cavity"),
+        ("8/16Ar/6,6", "is no pane"),
+        ("٨", "is no pane"),
+        ("4" * 99, "99 characters"),
+        ("4/12/4/12/4/12/4/12/4", "has 9 elements"),
+    ],
+)
+def test_wrong_build_ups_name_element_and_limit(text: str, message: str) -> None:
+    with pytest.raises(ProjectError, match=re.escape(message)):
+        build_up(text)
+    with pytest.raises(ProjectError, match=r"\[panel\]"):
+        make_project({"panel": {"build_up": text}})
+
+
+def test_a_build_up_sets_thickness_and_mass_and_contradicts_no_other_key() -> None:
+    made = make_project({"panel": {"build_up": "8/16Ar/6.6"}})
+    assert made.panel.thickness_mm == pytest.approx(36.76)
+    again = make_project({"panel": made.settings["panel"]})  # both keys, agreeing
+    assert again.panel == made.panel
+    shell = dome().detail(panel={"build_up": "8/16Ar/6.6"})
+    row = schedules(shell)["panels"][0]
+    assert row["mass_kg"] == pytest.approx(row["area_m2"] * build_up("8/16Ar/6.6").mass, rel=1e-6)
+    with pytest.raises(ProjectError, match="thickness_mm = 12 is not that of build_up"):
+        make_project({"panel": {"build_up": "8/16Ar/6.6", "thickness_mm": 12}})
+    with pytest.raises(ProjectError, match="needs a build_up of two panes"):
+        make_project({"panel": {"step_mm": 20}})
+
+
+def test_bevels_of_mitred_panes_follow_the_dihedral_angles() -> None:
+    """Where two panes meet in a joint's plane of symmetry, the bevels are half the dihedral."""
+    shell = fan(5, closed=True).detail(panel={"edge": "mitred"})
+    for row in schedules(shell)["panels"]:
+        for k in range(1, 4):
+            if row[f"neighbour_{k}"]:
+                half = 0.5 * row[f"dihedral_{k}_deg"]
+                assert row[f"bevel_{k}_deg"] == pytest.approx(-half, abs=0.01)
+
+
+@pytest.mark.parametrize("value", ["29.11.2026", "2026-13-01", "today", 7])
+def test_dates_are_dates(value: object) -> None:
+    with pytest.raises(ProjectError, match="must be a date such as 2026-11-30"):
+        make_project({"project": {"date": value}})
+
+
+def test_the_title_block_is_plain_text_of_any_length(
+    small_design: Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+    settings = make_project({"project": {"title": "Hall & yard \u202eroof\ufffe " * 400}})
+    block = settings.project.block("x")
+    assert block.title.startswith("Hall & yard roof Hall")
+    assert block.date == ""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    assert settings.project.block("x").date == "1970-01-02"
+    assert make_project({"project": {"date": "2026-11-30"}}).project.block("x").date == "2026-11-30"
+
+
+def test_the_workbook_of_a_job_prints_and_adds_up(small_job: JobResult) -> None:
+    folder, manifest = small_job.folder, small_job.manifest
+    book = openpyxl.load_workbook(folder / "schedules" / "schedule.xlsx")
+    values = openpyxl.load_workbook(folder / "schedules" / "schedule.xlsx", data_only=True)
+    names = book.sheetnames
+    assert names[0] == COVER
+    assert names[-1] == "columns"
+    for sheet in book:
+        setup = sheet.page_setup
+        assert (setup.orientation, setup.fitToHeight) == ("landscape", 0)
+        assert setup.fitToWidth in (None, 1)  # one page wide is the default of the format
+        assert sheet.sheet_properties.pageSetUpPr.fitToPage
+        assert sheet.oddFooter.right.text == "page &P of &N"
+        if sheet.title != COVER:
+            assert sheet.print_title_rows == "$1:$1"
+            assert sheet.freeze_panes == "B2"
+            (table,) = sheet.tables.values()
+            assert table.autoFilter.ref == table.ref
+    total = sum(part["mass_kg"] for part in manifest["parts"])
+    sheet = values["bom"]
+    header = [cell.value for cell in sheet[1]]
+    last = [cell.value for cell in sheet[sheet.max_row]]
+    assert last[header.index("quantity")] == len(manifest["parts"])
+    # Cells are rounded to grams.
+    assert last[header.index("mass [kg]")] == pytest.approx(total, abs=5e-4 * sheet.max_row)
+    cover = {row[0]: row for row in values[COVER].iter_rows(values_only=True)}
+    assert cover["all"][2] == len(manifest["parts"])
+    assert cover["all"][3] == pytest.approx(total, abs=1e-4)
+    for role in ("beam", "node", "panel"):
+        own = [part["mass_kg"] for part in manifest["parts"] if part["role"] == role]
+        assert cover[role][2:4] == (len(own), pytest.approx(sum(own), abs=1e-4))
+    formula = book["bom"].cell(sheet.max_row, header.index("quantity") + 1).value
+    assert formula == f"=SUBTOTAL(109,D2:D{sheet.max_row - 1})"
+
+
+def test_columns_csv_explains_every_column_of_every_file(small_folder: Path) -> None:
+    with (small_folder / "schedules" / "columns.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    told = {(row["table"], row["column"]): row for row in rows}
+    assert len(told) == len(rows)
+    there = set()
+    for path in (small_folder / "schedules").glob("*.csv"):
+        if path.name != "columns.csv":
+            with path.open(encoding="utf-8", newline="") as file:
+                header = next(csv.reader(file))
+            there |= {(path.stem, column) for column in header}
+    assert set(told) == there
+    assert all(row["meaning"] for row in rows)
+    assert told["beams", "mitre_end_deg"]["unit"] == "deg"
+
+
+def test_rejected_panes_are_named_in_every_list() -> None:
+    bent = grid(2, 2).vertices.copy()
+    bent[0, 2] = 400.0
+    mesh = Mesh.build(bent, [grid(2, 2).face(f) for f in range(4)])
+    tables = design(mesh, checks={"torsion_deg": 90.0, "plausibility": "ignore"}).schedules
+    for name, column in (("panels", "mark"), ("bom", "marks"), ("sizes", "marks")):
+        named = {
+            row[column]: row["status"]
+            for row in tables[name]
+            if "P-0000" in str(row[column]).split()
+        }
+        assert all(status.startswith("rejected") for status in named.values())
+        assert named
+    rim = [row for row in tables["joints"] if "P-0000" in row["marks"].split()]
+    assert len(rim) == 4
+    assert all("rejected" in row["status"] for row in rim)
+    assert "status" not in columns_of(tables["stock"])
