@@ -10,7 +10,25 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
-from net_cases import catenoid_net, circular_net, koebe_net, planar_net, skew_net
+from invariance_cases import (
+    CATENOID,
+    CIRCULAR,
+    CORNERS,
+    FIRST,
+    IDENTITY,
+    KPOINTS,
+    MESHES,
+    NEAR,
+    PAIRS,
+    PLANAR,
+    PLANES,
+    QUAD,
+    SECOND,
+    SYSTEM,
+    THREE,
+    relabelled,
+)
+from net_cases import catenoid_net, koebe_net, planar_net, skew_net
 from optimize_meshes import wavy
 from similarity_cases import SIMILARITIES, Similarity
 
@@ -18,54 +36,12 @@ from ddgfab import measures, nets
 from ddgfab.errors import DdgError, SupportError
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.nets import circular_to_conical
-from ddgfab.nets.knet import dini, skew_parallelogram
+from ddgfab.nets.knet import skew_parallelogram
 from ddgfab.nets.minimal import minimal_surface
 from ddgfab.nets.sisothermic import SIsothermic
 from ddgfab.optimize import Goal, TorsionFreeResult, optimize
 from ddgfab.support import SupportKind, support_structure
 from ddgfab.transforms import christoffel_dual, gauss_image, invert, mesh_curvatures
-
-IDENTITY = Similarity("identity", 1.0, np.eye(3), np.zeros(3))
-NEAR = [at for at in SIMILARITIES if at.name in ("scale 1e-06", "motion", "mirror and turn", "far")]
-
-
-def mixed(seed: int = 2) -> Mesh:
-    """A pentagon with quads and triangles round it, nothing symmetric."""
-    rng = np.random.default_rng(seed)
-    t = 2 * np.pi * np.arange(5) / 5
-    rings = []
-    for r, s in ((1.0, 0.0), (2.0, 0.2), (3.0, -0.4)):
-        height = 0.2 * r * np.sin(2 * t) - 0.2 * r**2
-        rings.append(np.stack([r * np.cos(t + s), r * np.sin(t + s), height], axis=1))
-    faces = [[0, 1, 2, 3, 4]]
-    for k in range(5):
-        m = (k + 1) % 5
-        faces += [[k, 5 + k, 5 + m, m], [5 + k, 10 + k, 10 + m], [5 + k, 10 + m, 5 + m]]
-    points = np.concatenate(rings)
-    return Mesh.build(points + 0.05 * rng.normal(size=points.shape), faces)
-
-
-def relabelled(mesh: Mesh, seed: int = 0) -> tuple[Mesh, Any, Any]:
-    """The mesh with vertices and faces in another order and faces from other corners."""
-    rng = np.random.default_rng(seed)
-    vertices, faces = rng.permutation(mesh.n_vertices), rng.permutation(mesh.n_faces)
-    place = np.argsort(vertices)
-    turned = [np.roll(place[mesh.faces[f]], int(rng.integers(4))) for f in faces]
-    return Mesh.build(mesh.vertices[vertices], turned), vertices, faces
-
-
-MESHES = {
-    "skew": grid_mesh(skew_net() / 1000.0),
-    "circular": grid_mesh(circular_net() / 1000.0),
-    "conical": grid_mesh(circular_to_conical(circular_net() / 1000.0)),
-    "mixed": mixed(),
-    "K-net": grid_mesh(dini(np.full(4, 0.3), np.full(3, 0.25), 1.2).points),
-    "translation": grid_mesh(
-        np.array([[[u, v, 0.3 * u * u - 0.2 * v * v] for v in range(4)] for u in range(5)], float)
-    ),
-}
-
 
 # --- measures ------------------------------------------------------------------------------------
 AXES = "axes"
@@ -240,17 +216,6 @@ def test_refusals_do_not_depend_on_the_place() -> None:
 
 
 # --- evolutions and constructions ----------------------------------------------------------------
-FIRST, SECOND = circular_net()[:, 0] / 1000.0, circular_net()[0] / 1000.0
-CIRCULAR, PLANAR, CATENOID = circular_net() / 1000.0, planar_net() / 1000.0, catenoid_net()
-KPOINTS = dini(np.full(4, 0.3), np.full(3, 0.25), 1.2).points
-QUAD = CIRCULAR[0, 0], CIRCULAR[1, 0], CIRCULAR[0, 1]
-THREE = [
-    np.array([[0, 0, 0], [1, 0.1, 0.2], [2, 0, 0.1]], float),
-    np.array([[0, 0, 0], [0.1, 1, -0.2], [0, 2.1, 0.1]], float),
-    np.array([[0, 0, 0], [0.1, -0.2, 1], [0.3, 0.1, 2]], float),
-]
-PAIRS = ((0, 1), (0, 2), (1, 2))
-
 Made = Callable[[Similarity], Any]
 POINTS: dict[str, Made] = {
     "evolve_by_angles": lambda at: nets.evolve_by_angles(at(FIRST), at(SECOND), 1.5),
@@ -266,6 +231,18 @@ POINTS: dict[str, Made] = {
     ),
     "evolve_isothermic_nd": lambda at: nets.evolve_isothermic_nd(
         [at(line) for line in THREE], [1.0, -1.0, 2.5]
+    ),
+    "evolve_3d": lambda at: nets.evolve_3d(
+        *(at(PLANES[pair]) for pair in PAIRS), tolerance=max(1e-8, 1e4 * at.rounding)
+    ),
+    "evolve_nd": lambda at: nets.evolve_nd(
+        {pair: at(part) for pair, part in PLANES.items()}, tolerance=max(1e-8, 1e4 * at.rounding)
+    ),
+    "evolve_circular": lambda at: nets.evolve_circular(
+        {pair: at(part) for pair, part in PLANES.items()}, tolerance=max(1e-8, 1e4 * at.rounding)
+    ),
+    "cube_point": lambda at: nets.cube_point(
+        *(at(SYSTEM[c]) for c in CORNERS), tolerance=max(1e-8, 1e4 * at.rounding)
     ),
     "fourth_by_t": lambda at: nets.fourth_by_t(*map(at, QUAD), 0.4),
     "fourth_by_angle": lambda at: nets.fourth_by_angle(*map(at, QUAD), 1.2),
