@@ -195,18 +195,20 @@ def optimize(
             )
         turn = np.einsum("vk,vkx->vx", move.reshape(-1, 2), frames)
         longest = float(np.abs(move).max())
+        if not np.isfinite(longest):  # the solve broke down: the axes before it stay
+            break
         length = min(1.0, chosen.longest_step / longest) if longest > 0 else 1.0
         if longest > chosen.step_rad:
             length = _guarded(mesh, axes, turn, (normals, weight, force), gradient @ move, length)
         axes = unit(axes + length * turn)
         history.append(float(np.degrees(torsion(mesh, axes).max())))
-        if not np.isfinite(history[-1]):
-            break
         if longest < chosen.step_rad and history[-1] < chosen.torsion_deg:
             converged = True
             break
         newton = longest < chosen.newton_step and longest > chosen.newton_contraction * last
         last = longest
+    if not history:
+        history.append(float(np.degrees(torsion(mesh, axes).max())))
     good = converged or history[-1] <= TORSION_EXACT_DEG
     result = SupportStructure.of(
         mesh,

@@ -75,7 +75,7 @@ def check_solid(
         Check("solid valid", bool(report.valid), "; ".join(report.faults) or None),
         Check(
             "solid volume",
-            report.volume > 0 and expected_volume > 0 and deviation <= relative,
+            expected_volume > 0 and deviation <= relative,
             deviation if report.volume > 0 else report.volume,
             relative,
         ),

@@ -28,6 +28,7 @@ from ddgfab.support import (
     reflected_axes,
     support_structure,
 )
+from ddgfab.support.exact import smoothest_normals
 from ddgfab.support.nearest_axes import jacobian, tangent_frames
 from ddgfab.support.parallel import edge_conditions
 
@@ -135,6 +136,44 @@ def test_circular_net_gets_reflected_normals() -> None:
         assert distance(other) > distance(structure.axes)
 
 
+def uneven(x: Callable[[Floats, Floats], list[Floats]]) -> Mesh:
+    """A net along lines at uneven parameters."""
+    rng = np.random.default_rng(6)
+    u, v = (np.cumsum(rng.uniform(0.1, 0.3, count)) for count in (7, 6))
+    return grid_mesh(np.stack(x(*np.meshgrid(u, v, indexing="ij")), axis=-1))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_smoothest_normals_are_those_of_spheres_and_cylinders(side: float) -> None:
+    """Though the nets are uneven, so that their vertex normals are not; two parts are as each."""
+    ball = uneven(
+        lambda u, v: [np.cos(u) * np.cos(v), side * np.sin(u) * np.cos(v), np.sin(v) + 0 * u]
+    )
+    tube = uneven(lambda u, v: [np.cos(u), side * np.sin(u), 3.0 * v])
+    for mesh, exact in (
+        (ball, ball.vertices),
+        (tube, tube.vertices * [1.0, 1.0, 0.0]),
+    ):
+        outward = np.sign(np.sum(exact * mesh.vertex_normals))
+        assert np.abs(mesh.vertex_normals - outward * exact).max() > 1e-3
+        assert np.abs(smoothest_normals(mesh) - outward * exact).max() < 1e-9
+    beside = tube.vertices + np.array([9.0, 0.0, 0.0])
+    both = Mesh.build(
+        np.concatenate([ball.vertices, beside]),
+        [*ball.faces, *(face + ball.n_vertices for face in tube.faces)],
+    )
+    parts = np.concatenate([smoothest_normals(ball), smoothest_normals(tube)])
+    assert np.abs(smoothest_normals(both) - parts).max() < 1e-9
+
+
+def test_smoothest_normals_of_one_face_are_across_it() -> None:
+    """No line of the net has two edges in a row: nothing else decides."""
+    corners = np.array([[0.0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]])
+    for face, up in (([0, 1, 2, 3], 1.0), ([3, 2, 1, 0], -1.0)):
+        found = smoothest_normals(Mesh.build(corners, [face]))
+        assert np.abs(found - [0.0, 0.0, up]).max() < 1e-12
+
+
 def test_conical_net_gets_the_axes_of_its_cones() -> None:
     mesh, axes = conical_net()
     assert planarity_percent(mesh).max() < 1e-6
@@ -172,6 +211,19 @@ def test_best_centre_of_a_sphere_and_of_a_plane() -> None:
     parallel = central(flat)
     assert np.abs(np.abs(parallel.axes[:, 2]) - 1).max() < 1e-12
     assert parallel.lean_deg_max < 1e-9  # on the side of the normals
+
+
+def test_vertices_without_faces_move_no_centre() -> None:
+    mesh = icosahedron()
+    more = Mesh.build(np.concatenate([mesh.vertices, [[40.0, -30.0, 20.0]]]), mesh.faces)
+    one, two = best_centre(mesh), best_centre(more)
+    assert one is not None
+    assert two is not None
+    assert np.abs(one - two).max() < 1e-12
+    structures = central(mesh), central(more)
+    assert np.abs(structures[0].axes - structures[1].axes[:-1]).max() < 1e-12
+    assert (structures[1].axes[-1] == 0).all()
+    assert central(more, more.vertices[-1]).torsion_deg_max < 1e-9  # it may be the centre itself
 
 
 def test_triangle_mesh_is_refused_with_the_way_out(mesh_file: Callable[[str], Path]) -> None:
@@ -347,6 +399,20 @@ def test_edge_planes_hold_edge_and_axes_and_point_left() -> None:
     middle = 0.5 * (mesh.vertices[start] + mesh.vertices[end])
     left = mesh.face_centres[mesh.edge_faces[:, 0]] - middle
     assert (np.einsum("ex,ex->e", normals, left) > 0).all()
+
+
+def test_the_certificate_names_the_five_worst() -> None:
+    mesh = canopy(8, 6)
+    axes = unit(mesh.vertex_normals + 0.1 * np.random.default_rng(2).normal(size=(63, 3)))
+    structure = SupportStructure.of(mesh, axes)
+    record = structure.to_dict()
+    for rows, name, angles in (
+        (record["torsion_worst_edges"], "edge", structure.torsion),
+        (record["lean_worst_vertices"], "vertex", structure.lean),
+    ):
+        found = np.degrees(np.sort(angles)[::-1][:5])
+        assert [row["deg"] for row in rows] == pytest.approx(found.tolist())
+        assert [angles[row[name]] for row in rows] == pytest.approx(np.radians(found).tolist())
 
 
 def test_certificate_counts_a_known_torsion() -> None:

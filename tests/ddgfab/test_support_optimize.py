@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.measures import lean, torsion
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.support import OptimizeOptions, even_lean, optimize
+from ddgfab.support import OptimizeOptions, even_lean, nearest_axes, optimize
 from ddgfab.support.nearest_axes import _hessian, constraints, jacobian, tangent_frames
 
 
@@ -188,3 +189,52 @@ def test_steps_do_not_grow_with_the_mesh() -> None:
     """So time follows that of one sparse solve (near-linear: benchmarks)."""
     counts = [len(optimize(rough_grid(n, n, noise=0.01)).history) for n in (6, 12, 24)]
     assert max(counts) <= 10
+
+
+def test_the_line_search_keeps_to_the_nearest_structure() -> None:
+    """Full steps on a very rough mesh end at axes twice as far; others starts find none nearer."""
+    mesh = rough_grid(6, 6, seed=1, noise=0.4)
+
+    def distance(start: Floats | None) -> float:
+        found = optimize(mesh, start)
+        return float(np.sum((found.axes - mesh.vertex_normals) ** 2))
+
+    rng = np.random.default_rng(0)
+    noise = 0.2 * rng.normal(size=(4, *mesh.vertices.shape))
+    others = [distance(unit(mesh.vertex_normals + n)) for n in noise]
+    assert distance(None) <= min(others) + 1e-9
+
+
+def test_axes_free_of_torsion_count_though_a_finer_aim_is_not_reached() -> None:
+    options = OptimizeOptions(torsion_deg=1e-30, max_steps=12)
+    found = optimize(rough_grid(4, 4), options=options)
+    assert len(found.history) == 12
+    assert (found.status, found.torsion_free) == ("converged", True)
+
+
+@pytest.mark.parametrize("last", [1, 3])
+def test_a_solve_that_breaks_down_leaves_the_axes_before_it(
+    monkeypatch: pytest.MonkeyPatch, last: int
+) -> None:
+    calls = []
+
+    def broken(*given: Any) -> tuple[Floats, Floats]:
+        calls.append(1)
+        move, force = step(*given)
+        return (move, force) if len(calls) < last else (np.nan * move, force)
+
+    mesh, options = rough_grid(5, 5, noise=0.2), OptimizeOptions(newton_step=0.0)
+    whole = optimize(mesh, options=options)  # the cheap steps only
+    step = nearest_axes._cheap_step
+    monkeypatch.setattr(nearest_axes, "_cheap_step", broken)
+    found = optimize(mesh, options=options, throw=False)
+    assert len(calls) == last
+    assert found.status == "stopped"
+    assert len(found.history) == max(1, last - 1)
+    if last > 1:
+        assert found.history == whole.history[: last - 1]
+    else:
+        assert np.abs(found.axes - mesh.vertex_normals).max() < 1e-15
+    calls.clear()
+    with pytest.raises(SupportError, match="torsion stays"):
+        optimize(mesh, options=options)

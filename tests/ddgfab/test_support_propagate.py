@@ -84,6 +84,14 @@ def test_degenerate_data_name_the_vertex() -> None:
         propagate_axes(x, (0, 0, 1), [0.0], [0.0, 0.0])
 
 
+@pytest.mark.parametrize("first", [(0.0, 1.0), (0.0, 0.0, 1.0, 1.0), (0.0, 0.0, 0.0)])
+def test_a_first_axis_that_is_none_is_refused(first: tuple[float, ...]) -> None:
+    with pytest.raises(InputError, match="axis"):
+        propagate_axes(planar_net(2, 2), first, [0.0, 0.0], [0.0, 0.0])
+    with pytest.raises(InputError, match=r"points \(3, 3, 2\)"):
+        propagate_axes(planar_net(2, 2)[..., :2], (0.0, 0.0, 1.0), [0.0, 0.0], [0.0, 0.0])
+
+
 def test_node_torsion_gives_the_axes_back_and_sees_a_turned_plane() -> None:
     x = skew_net(4, 3)
     mesh = grid_mesh(x)

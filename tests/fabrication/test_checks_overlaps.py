@@ -83,6 +83,18 @@ def test_what_touches_shares_nothing_and_the_least_overlap_is_found() -> None:
     assert [found(gap) for gap in (0.0, 1e-3, -1e-5, -1e-2)] == [0, 0, 1, 1]
 
 
+def test_the_tolerances_of_both_bodies_add_up() -> None:
+    boxes = [Body(BOX, 1000.0), Body(BOX, 1000.0)]
+    tolerances = np.array([0.02, 0.03])
+
+    def found(depth: float) -> list[float]:
+        motions = np.array([np.eye(4), at(10 - depth, 3, 3)])
+        return [o.depth for o in overlaps(boxes, np.arange(2), motions, tolerances)]
+
+    assert found(0.049) == []
+    assert found(0.051) == pytest.approx([0.051], rel=0.05)
+
+
 def test_hundreds_of_placed_solids_take_little_time() -> None:
     body = [Body(BOX, 1000.0)]
     motions = np.array([at(10.0 * i, 10.0 * j, 0) for i in range(20) for j in range(30)])

@@ -9,7 +9,7 @@ import manifold3d
 import numpy as np
 import pytest
 
-from fabrication.checks.boxes import box_pairs, box_pairs_between
+from fabrication.checks.boxes import _spread, box_pairs, box_pairs_between
 from fabrication.checks.shells import Shells, examine_shells
 from fabrication.formats.report import inspect_file
 from fabrication.formats.stl import weld, write_stl
@@ -167,6 +167,12 @@ def test_box_pairs_are_those_that_meet() -> None:
         assert np.array_equal(box_pairs(low, high), np.argwhere(np.triu(meet, 1)))
         other = box_pairs_between(low, high, low[:7], high[:7])
         assert {tuple(p) for p in other.tolist()} == {tuple(p) for p in np.argwhere(meet[:, :7])}
+
+
+def test_bits_are_moved_apart_one_by_one() -> None:
+    values = np.random.default_rng(0).integers(0, 2**20, 50)
+    expected = [sum((v >> k & 1) << 3 * k for k in range(20)) for v in values.tolist()]
+    assert _spread(values).tolist() == expected
 
 
 def test_files_say_so(tmp_path: Path) -> None:
