@@ -34,7 +34,9 @@ def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
     """Rows of the bolt list, by node and arm.
 
     beam_end is the end of the part as made, which may be turned end for end; x, y, z is where the
-    axis meets the seat of the node, axis_x, axis_y, axis_z its direction away from the node.
+    axis meets the seat of the node, axis_x, axis_y, axis_z its direction away from the node; of a
+    bolt through a tongue the middle of the tongue, and the direction counterclockwise about the
+    node.
     """
     turned = _turned(gridshell.beams, families)
     size = gridshell.project.connection.bolt
@@ -106,7 +108,7 @@ def mates_of(bolts: Sequence[Bolt]) -> tuple[Mate, ...]:
             bolt.mark,
             tuple(bolt.point.tolist()),
             tuple(bolt.axis.tolist()),
-            (-bolt.thread, bolt.grip),
+            bolt.span,
             bolt.holes,
         )
         for bolt in bolts

@@ -102,11 +102,12 @@ class Bolt:
     mark : its name, "J-0000"
     node, beam : marks of what it joins
     end : 0 at the start of the mesh edge, 1 at its end
-    point, axis : (3,) where its axis meets the seat of the node [mm], and its unit direction from
-        the node outwards
-    mounted : the fasteners, from the node outwards
+    point, axis : (3,) a point of its axis [mm], and its unit direction: where it meets the seat of
+        the node, outwards, or the middle of a tongue, counterclockwise about the node
+    mounted : the fasteners, along the axis
     holes : marks and diameters [mm] of the holes on the axis
-    grip, thread : what it clamps, and the complete thread in the node [mm]
+    span : from where to where along the axis, from the point [mm], there are holes
+    grip, thread : what it clamps, and the complete thread in the node [mm], None without
     """
 
     mark: str
@@ -117,8 +118,9 @@ class Bolt:
     axis: Floats
     mounted: tuple[Mounted, ...]
     holes: tuple[tuple[str, float], ...]
+    span: tuple[float, float]
     grip: float
-    thread: float
+    thread: float | None
 
 
 @dataclass(frozen=True, eq=False)

@@ -87,7 +87,8 @@ class NodeSettings(Section):
 
     Attributes
     ----------
-    kind : one of the registry of nodes, such as "cylinder" (solid) or "tube"
+    kind : one of the registry of nodes: "cylinder" (solid), "tube", or "star" (plates in the
+        planes of the beams, for bolted tongues)
     diameter_mm : "auto" = the least of the series that fits the whole project, or a number
     series_mm : diameters to choose from; empty: round bars EN 10060, or tubes EN 10210-2
     min_diameter_mm : "auto" takes no less: room for weld or bolt, and for the mark
@@ -135,14 +136,15 @@ class ConnectionSettings(Section):
 
     Attributes
     ----------
-    kind : "welded" (the end on the seat, no holes) or "stud" (a thread in the node, a plate or
-        solid end of the beam on the same axis, an opening to tighten it)
+    kind : "welded" (the end on the seat, no holes), "stud" (a thread in the node, a plate or
+        solid end of the beam on the same axis, an opening to tighten it) or "bolted_tongue" (the
+        plates of [node] kind = "star" in slots of flat bars, two bolts in double shear)
     weld_mm : throat thickness of the fillet weld, 3 or more (EN 1993-1-8, 4.5.2): of beams to
         nodes, or of plates to hollow sections
     bolt : size of studs and bolts
     fastener : "stud" (DIN 976-1, with a nut) or "bolt" (ISO 4017) through the plate
-    plate_mm : thickness of the plate, or of a solid end; "auto": the bolt's diameter or more, in
-        steps of 5 mm
+    plate_mm : thickness of the plate, of a solid end, or of a tongue; "auto": the bolt's diameter
+        or more, in steps of 5 mm
     thread_mm : complete thread in the node; "auto": 1.5 bolt diameters where there is room, at
         least 1; through the wall of a tube
     fasteners : whether studs, bolts, nuts and washers are parts, with files, in the assembly

@@ -138,6 +138,22 @@ def bolt_length(bolt: Fastener, series: BoltSeries, least: float, most: float) -
     return max(fits, default=None)
 
 
+def shortest_bolt(bolt: Fastener, least: float) -> tuple[float, bool] | None:
+    """The shortest bolt [mm] of at least a length, with a shank where there is one; or None.
+
+    Returns
+    -------
+    Its length, and whether it has a shank (ISO 4014) or is threaded up to the head (ISO 4017).
+    """
+    for length in table("fasteners")["series"]:
+        if length < least:
+            continue
+        for shank, (short, long) in ((True, bolt.shank), (False, bolt.full)):
+            if short <= length <= long:
+                return float(length), shank
+    return None
+
+
 def stud_length(least: float) -> float | None:
     """The shortest stud [mm] (DIN 976-1) of at least a length; None where there is none."""
     fits = [float(length) for length in table("fasteners")["series"] if length >= least]

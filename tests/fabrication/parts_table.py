@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fabrication.parts.beam import BeamShape, CrossHole, EndCut, StudEnd
+from fabrication.parts.beam import BeamShape, CrossHole, EndCut, SlotEnd, StudEnd
 from fabrication.parts.coupon import CouponShape
 from fabrication.parts.fastener import FastenerShape, bolt, nut, stud, washer
 from fabrication.parts.link import LinkShape
@@ -15,6 +15,7 @@ from fabrication.parts.node import NodeShape, RadialHole, ReferenceMark, Seat
 from fabrication.parts.panel import PanelShape
 from fabrication.parts.pin import PinShape
 from fabrication.parts.ring import RingShape
+from fabrication.parts.star import StarShape, TongueHole
 from fabrication.solids.text import Label
 from fabrication.specs import Loop, Profile, Shape
 from fabrication.standards.fasteners import fastener
@@ -264,8 +265,24 @@ THICK = Profile(
 STUD = StudEnd(-45.0, 13.5, 15.0, 55.0, 39.6, 5.0)
 STUD_RHS = StudEnd(0.0, 13.5, 15.0, 55.0, 36.0, 5.0)
 M12 = fastener("M12")
+SLOT = SlotEnd(16.0, 87.0)
+SLOT_HOLES = (
+    CrossHole(25.0, -45.0, 13.5),
+    CrossHole(60.0, -45.0, 13.5),
+    CrossHole(1000.0, -30.0, 9.0),
+)
 
-STUDS: dict[str, tuple[BeamShape | FastenerShape, int]] = {
+
+def star(*azimuths: float) -> StarShape:
+    holes = tuple(
+        TongueHole(k, far, -40.0 + k) for k in range(len(azimuths)) for far in (65.0, 95.0)
+    )
+    return StarShape(
+        15.0, 120.0, -70.0, -10.0, azimuths, 13.5, holes, ReferenceMark(20.0, 3.0, 1.0)
+    )
+
+
+STUDS: dict[str, tuple[BeamShape | FastenerShape | StarShape, int]] = {
     "studs in a bar": (
         BeamShape(THICK, EndCut(0.0, 0.12, stud=STUD), EndCut(1100.0, -0.3, stud=STUD)),
         4,
@@ -282,6 +299,18 @@ STUDS: dict[str, tuple[BeamShape | FastenerShape, int]] = {
         BeamShape(RHS, EndCut(10.0, 0.2), EndCut(900.0, -0.1, stud=STUD_RHS)),
         2,
     ),
+    "slots": (
+        BeamShape(THICK, EndCut(0.0, 0.12, slot=SLOT), EndCut(1100.0, -0.3, slot=SLOT), SLOT_HOLES),
+        5,
+    ),
+    "slot and plain end": (
+        BeamShape(THICK, EndCut(0.0, 0.0, slot=SLOT), EndCut(1100.0, 0.2), SLOT_HOLES),
+        5,
+    ),
+    "star of four": (star(0.0, 1.4, 3.0, 4.8), 8),
+    "star of two": (star(0.0, 1.6), 4),
+    "star in line": (star(0.0, 1.5, math.pi), 6),
+    "star of six": (star(0.0, 1.0, 2.1, 3.2, 4.3, 5.3), 12),
     "bolt": (bolt(M12, 45.0), 0),
     "stud": (stud(M12, 55.0), 0),
     "nut": (nut(M12), 1),

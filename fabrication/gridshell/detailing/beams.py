@@ -8,7 +8,7 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats, Mesh
-from fabrication.gridshell.detailing.connections.base import Joined
+from fabrication.gridshell.detailing.connections.base import Joined, Tongue
 from fabrication.gridshell.detailing.frames import (
     EdgeFrames,
     beam_mark,
@@ -19,7 +19,7 @@ from fabrication.gridshell.detailing.frames import (
 from fabrication.gridshell.detailing.nodes.base import NodeSize
 from fabrication.gridshell.pieces import Beam
 from fabrication.gridshell.project import Project
-from fabrication.parts.beam import BeamShape, EndCut
+from fabrication.parts.beam import BeamShape, CrossHole, EndCut, SlotEnd
 from fabrication.specs import Check, Profile
 from fabrication.standards.profiles import z_range
 
@@ -74,6 +74,9 @@ def beam_specs(
     placements[:, :3, 3], placements[:, 3, 3] = origin, 1.0
     placements.setflags(write=False)
     radius = size.cut if project.beam.end == "cope" else None
+    tongue = joined.tongue
+    slot = None if tongue is None else SlotEnd(tongue.slot, tongue.depth)
+    holes = [] if tongue is None else _cross_holes(frames, lengths, profile, tongue)
     limit = project.checks.torsion_deg
     glass = project.panel.kind != "none"
     beams = []
@@ -93,8 +96,9 @@ def beam_specs(
     ):
         shape = BeamShape(
             profile,
-            EndCut(0.0, slope[0], radius, skew[0], joined.end),
-            EndCut(x, slope[1], radius, skew[1], joined.end),
+            EndCut(0.0, slope[0], radius, skew[0], joined.end, slot),
+            EndCut(x, slope[1], radius, skew[1], joined.end, slot),
+            holes[e] if holes else (),
         )
         left, right = (panel_mark(face) if glass and face >= 0 else None for face in faces)
         degrees = float(np.degrees(torsion))
@@ -157,3 +161,17 @@ def _check_coped(frames: EdgeFrames, project: Project) -> None:
             f"beam {beam_mark(worst)} has torsion {np.degrees(frames.torsion[worst]):.2f} deg: a "
             'coped end needs the node axis in the plane of the beam\ntake [beam] end = "flat"'
         )
+
+
+def _cross_holes(
+    frames: EdgeFrames, lengths: Floats, profile: Profile, tongue: Tongue
+) -> list[tuple[CrossHole, ...]]:
+    """The holes of every beam for its tongues, in the middle of its depth, along x."""
+    z = 0.5 * sum(z_range(profile))
+    stretch = np.hypot(1.0, frames.slope)
+    steps = np.array(tongue.steps)
+    start = frames.slope[:, :1] * z + stretch[:, :1] * steps
+    end = lengths[:, None] + frames.slope[:, 1:] * z - stretch[:, 1:] * steps[::-1]
+    return [
+        tuple(CrossHole(x, z, tongue.hole) for x in row) for row in np.hstack([start, end]).tolist()
+    ]

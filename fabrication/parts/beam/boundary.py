@@ -11,6 +11,7 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Cut, Tool, Vec
+from fabrication.parts.beam.slot import slotted_faces
 from fabrication.parts.beam.stud import (
     HAND_HOLE_WELD,
     StudHole,
@@ -185,6 +186,9 @@ def beam_boundary(shape: BeamShape) -> Boundary:
     check_ends(shape, loops)
     check_hole_pairs(shape.holes)
     builder = BoundaryBuilder()
+    if shape.start.slot is not None or shape.end.slot is not None:
+        slotted_faces(builder, shape)
+        return builder.build()
     side_holes: dict[tuple[int, int], list[Coedges]] = {}
     for hole in shape.holes:
         for (face_in, y_in), (face_out, y_out) in _pairs(hole_walls(shape, hole, loops)):

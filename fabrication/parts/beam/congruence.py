@@ -29,7 +29,9 @@ def beam_key(shape: BeamShape) -> Hashable:
 
 
 def _stud_key(cut: EndCut) -> Hashable:
-    stud = cut.stud
+    stud, slot = cut.stud, cut.slot
+    if slot is not None:
+        return (key_of(slot.width), key_of(slot.depth))
     if stud is None:
         return None
     sizes = (stud.z, stud.diameter, stud.plate, stud.length, stud.height, stud.corner)

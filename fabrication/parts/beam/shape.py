@@ -46,6 +46,17 @@ class StudEnd:
 
 
 @dataclass(frozen=True)
+class SlotEnd:
+    """A slot from a flat cut of a flat bar, open at top and bottom, about its middle [mm].
+
+    Its bottom is parallel to the cut, `depth` from it.
+    """
+
+    width: float
+    depth: float
+
+
+@dataclass(frozen=True)
 class EndCut:
     """How a beam ends, in the beam's frame; without torsion the node axis lies in its plane y = 0.
 
@@ -55,7 +66,7 @@ class EndCut:
         angle only where an axis leaves the plane y = 0 and is not perpendicular to the beam
     radius : None for a flat cut; else the radius [mm] of the coping cylinder, whose axis lies that
         far (perpendicularly) beyond x; its skew is 0
-    stud : a hole for a stud or bolt through the cut, which is flat and not skew then
+    stud, slot : a hole for a stud or bolt through the cut, or a slot; it is flat, not skew then
     """
 
     x: float
@@ -63,6 +74,7 @@ class EndCut:
     radius: float | None = None
     skew: float = 0.0
     stud: StudEnd | None = None
+    slot: SlotEnd | None = None
 
 
 @dataclass(frozen=True)

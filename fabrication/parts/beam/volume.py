@@ -10,6 +10,7 @@ import numpy as np
 
 from ddgfab.mesh import Floats
 from fabrication.parts.beam.boundary import ends_of, hole_walls, opening_sides
+from fabrication.parts.beam.slot import slot_volume, strips
 from fabrication.parts.beam.stud import inner_end, lower_wall, opening_area
 from fabrication.solids.section import integrate, segments
 from fabrication.solids.sweep import End
@@ -62,6 +63,11 @@ def beam_volume(shape: BeamShape) -> float:
         total -= opening_area(cut, hollow=len(loops) > 1) * through
     if len(loops) > 1:
         total += _between(shape.profile.loops[1:], start, end)
+    if shape.start.slot is not None or shape.end.slot is not None:
+        for hole in shape.holes:
+            through = sum(y1 - y0 for y0, y1 in strips(shape, hole))
+            total -= math.pi * hole.diameter**2 / 4.0 * through
+        return total - slot_volume(shape)
     for hole in shape.holes:
         faces = [y for _, y in hole_walls(shape, hole, loops)]
         through = sum(faces[1::2]) - sum(faces[::2])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 from fabrication.parts.beam import StudEnd
 from fabrication.parts.fastener import FastenerShape
+from fabrication.specs import Profile
 
 if TYPE_CHECKING:
     from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
@@ -33,11 +34,32 @@ class Drilling:
 
 
 @dataclass(frozen=True)
+class Tongue:
+    """Plates of nodes in slots of beams [mm]; distances along an arm begin at the beam's cut.
+
+    thickness, slot : of the plate, and width of the slot
+    length, depth : where plate and slot end
+    steps : of the holes
+    hole, edge : their diameter, and their least distance from the edge of the plate
+    nut : how far nuts reach from their axis towards the node, and from the middle of the plate
+    """
+
+    thickness: float
+    slot: float
+    length: float
+    depth: float
+    steps: tuple[float, ...]
+    hole: float
+    edge: float
+    nut: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Mounted:
     """A fastener of a connection and where it sits on the axis.
 
-    at : of its origin on the axis, away from the node, from the seat [mm]
-    towards : +1 where its z axis points away from the node, -1 towards it
+    at : of its origin on the axis of the bolt, from the bolt's point [mm]
+    towards : +1 where its z axis points along that axis, -1 against it
     """
 
     shape: FastenerShape
@@ -59,6 +81,7 @@ class Joined:
     thread : length of thread in the node that is complete
     grip : what the fastener clamps, from the seat to the head or nut
     end_length : what a beam's end takes of its length
+    tongue : plates of nodes in slots of beams
     weld : throat thickness of the weld, of the beam to the node or of its plate; None: no weld
     """
 
@@ -72,6 +95,7 @@ class Joined:
     grip: float | None = None
     end_length: float = 0.0
     weld: float | None = None
+    tongue: Tongue | None = None
 
 
 @dataclass(frozen=True)
@@ -93,6 +117,10 @@ class Connection(ABC):
     @property
     def drilling(self) -> Drilling | None:
         """The radial holes that nodes must have room for."""
+        return None
+
+    def tongue(self, profile: Profile) -> Tongue | None:
+        """The plates that nodes must have; None: no tongues."""
         return None
 
     def check(self, joints: Joints) -> None:  # noqa: B027 - nothing to check is the usual case

@@ -1,4 +1,4 @@
-"""The bolts of a gridshell: one for each arm of each node, and their fasteners as pieces."""
+"""The bolts of a gridshell, arm by arm of each node, and their fasteners as pieces."""
 
 from __future__ import annotations
 
@@ -23,40 +23,59 @@ MARK: Final = "J"
 def bolt_specs(
     mesh: Mesh, axes: Floats, joints: Joints, size: NodeSize, joined: Joined, middle: Floats
 ) -> tuple[Bolt, ...]:
-    """A bolt for every arm, node by node, counterclockwise; none where nothing is bolted.
+    """The bolts of every arm, node by node, counterclockwise; none where nothing is bolted.
 
     Parameters
     ----------
     axes : (V, 3) unit node axes
     middle : (A,) height of the middle of each arm's end face along the node axis [mm]
     """
-    if joined.hole is None or joined.beam_hole is None:
+    if joined.beam_hole is None or joined.grip is None:
         return ()
-    assert joined.grip is not None
-    assert joined.thread is not None
     arms = joints.arms
     axis = axes[arms.node]
     side = np.cross(axis, arms.x_axis[arms.node])
     cos, sin = np.cos(arms.azimuth)[:, None], np.sin(arms.azimuth)[:, None]
     radial = cos * arms.x_axis[arms.node] + sin * side
-    points = mesh.vertices[arms.node] + middle[:, None] * axis + size.seat * radial
-    return tuple(
-        Bolt(
-            f"{MARK}-{k:04d}",
-            node_mark(node),
-            beam_mark(edge),
-            end,
-            points[k],
-            radial[k],
-            joined.mounted,
-            ((node_mark(node), joined.hole), (beam_mark(edge), joined.beam_hole)),
-            joined.grip,
-            joined.thread,
-        )
-        for k, (node, edge, end) in enumerate(
-            zip(arms.node.tolist(), arms.edge.tolist(), arms.end.tolist(), strict=True)
-        )
-    )
+    # (bolts, A): distances from the node axis, heights along it; directions of the bolts
+    if joined.tongue is None:
+        assert joined.thread is not None
+        rho, node_hole = np.full((1, len(radial)), size.seat), joined.hole
+        heights, along = middle[None], radial
+        span = (-joined.thread, joined.grip)
+    else:
+        slope = joints.frames.slope[arms.edge, arms.end] * (1 - 2 * arms.end)
+        steps = np.array(joined.tongue.steps)[:, None]
+        rho = np.broadcast_to(size.cut + steps, (len(steps), len(radial)))
+        node_hole = joined.tongue.hole
+        heights, along = middle + slope * steps, np.cross(axis, radial)
+        half = 0.5 * joints.profile.width
+        span = (-half, half)
+    assert node_hole is not None
+    origin = mesh.vertices[arms.node]
+    points = origin + heights[..., None] * axis + rho[..., None] * radial
+    bolts: list[Bolt] = []
+    for k, (node, edge, end) in enumerate(
+        zip(arms.node.tolist(), arms.edge.tolist(), arms.end.tolist(), strict=True)
+    ):
+        marks = node_mark(node), beam_mark(edge)
+        holes = ((marks[0], node_hole), (marks[1], joined.beam_hole))
+        for point in points[:, k]:
+            bolts.append(
+                Bolt(
+                    f"{MARK}-{len(bolts):04d}",
+                    *marks,
+                    end,
+                    point,
+                    along[k],
+                    joined.mounted,
+                    holes,
+                    span,
+                    joined.grip,
+                    joined.thread,
+                )
+            )
+    return tuple(bolts)
 
 
 def fastener_pieces(bolts: Sequence[Bolt]) -> tuple[FastenerPiece, ...]:

@@ -90,6 +90,10 @@ class NodeSize(ABC):
             f'[connection] kind = "{joints.project.connection.kind}" needs them'
         )
 
+    def ends(self, joints: Joints, bottom: Floats, top: Floats) -> tuple[Floats, Floats]:
+        """Bottom and top (V,) [mm] of the nodes; given those that cover the ends of all arms."""
+        return bottom, top
+
     @abstractmethod
     def shapes(
         self, joints: Joints, joined: Joined, bottom: Floats, top: Floats, middle: Floats

@@ -13,6 +13,7 @@ _HERE = "fabrication.gridshell.detailing.nodes"
 MODULES: Final = {
     "cylinder": (f"{_HERE}.round", "Cylinder"),
     "tube": (f"{_HERE}.round", "Tube"),
+    "star": (f"{_HERE}.star", "Star"),
 }
 """Module and class of each kind, by its name in [node] kind."""
 
