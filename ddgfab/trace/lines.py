@@ -129,7 +129,7 @@ class Tracer:
         sign = np.where(np.einsum("nx,nx->n", tangent, along) < 0, -1.0, 1.0)[:, None]
         return sign * speed, sign * tangent, jets.x
 
-    def _stepped(self, uv: Floats, speed: Floats, along: Floats, h: Floats) -> Floats:
+    def stepped(self, uv: Floats, speed: Floats, along: Floats, h: Floats) -> Floats:
         """(n, 2) parameters after a Runge-Kutta step of order 4."""
         h = h[:, None]
         two = self._velocity(uv + 0.5 * h * speed, along)
@@ -196,7 +196,7 @@ class Tracer:
             if len(self.poles):
                 far = np.linalg.norm(x[:, None] - self.poles, axis=2).min(axis=1)
                 h = np.clip(_NEAR_PART * far, _LEAST_PART * self.step, self.step)
-            new = self._stepped(uv, speed, along, h)
+            new = self.stepped(uv, speed, along, h)
             new_speed, new_along, new_x = self._state(new, along)
             out = ~self.trim.inside(new)
             if out.any():
@@ -267,21 +267,21 @@ class Tracer:
         if not leaving:
             return
         ids, uv, speed, along, h = (np.concatenate(rows) for rows in zip(*leaving, strict=True))
-        new = self._stepped(uv, speed, along, h)
+        new = self.stepped(uv, speed, along, h)
         new_speed, _, _ = self._state(new, along)
         length, side = self._first_crossing(uv, speed, new, new_speed, h)
         a, b = self.trim.starts[side], self.trim.ends[side]
         across = np.stack([b[:, 1] - a[:, 1], a[:, 0] - b[:, 0]], axis=1)
         across /= np.linalg.norm(across, axis=1, keepdims=True)
         for _ in range(_NEWTON):
-            new = self._stepped(uv, speed, along, length)
+            new = self.stepped(uv, speed, along, length)
             new_speed, _, _ = self._state(new, along)
             off = np.einsum("nx,nx->n", new - a, across)
             rate = np.einsum("nx,nx->n", new_speed, across)
             pace = np.linalg.norm(new_speed, axis=1)
             rate = np.where(np.abs(rate) > 1e-3 * pace, rate, np.inf)
             length = np.clip(length - off / rate, 1e-9 * h, 1.5 * h)
-        new = self._stepped(uv, speed, along, length)
+        new = self.stepped(uv, speed, along, length)
         new -= np.einsum("nx,nx->n", new - a, across)[:, None] * across
         way = b - a
         part = np.einsum("nx,nx->n", new - a, way) / np.einsum("nx,nx->n", way, way)

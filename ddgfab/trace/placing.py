@@ -16,10 +16,12 @@ from scipy.spatial import cKDTree
 from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.surfaces.nearest import nearest_points
+from ddgfab.surfaces.spline import SplineSurface
+from ddgfab.trace.certainty import check_rest
 from ddgfab.trace.field import LEAST_ANGLE_DEG, Field, PrincipalField, sines
 from ddgfab.trace.lines import Line, Tracer
 from ddgfab.trace.samples import Samples
+from ddgfab.trace.starts import points_on, rim_seeds
 from ddgfab.trace.umbilics import Umbilic, check_anisotropy, check_curved, umbilics
 
 _STEP: Final = 0.25
@@ -30,8 +32,6 @@ _SQUEEZED, _COVERED = 0.6, 1.0
 """Lines nearer than this may go while all samples stay within the second of a line."""
 _LONGEST: Final = 3.0
 """Longest line, in diameters of the surface."""
-_OFF: Final = 0.01
-"""Points to run through may be this far from the surface, as a part of its size."""
 _FINEST: Final = 1e-3
 """Least spacing, as a part of the size of the surface."""
 
@@ -60,7 +60,14 @@ class Network:
 
 
 @checked
-def place(field: Field, spacing: tuple[float, float], through: ArrayLike | None = None) -> Network:
+def place(
+    field: Field,
+    spacing: tuple[float, float],
+    through: ArrayLike | None = None,
+    *,
+    first: ArrayLike | None = None,
+    ends: ArrayLike | None = None,
+) -> Network:
     """Lines of both families, evenly spaced.
 
     Parameters
@@ -68,6 +75,8 @@ def place(field: Field, spacing: tuple[float, float], through: ArrayLike | None 
     spacing : wished distance of the lines of family 0, and of family 1
     through : (k, 3) points of the surface: a line of each family runs through each of them (a
         ridge, a line of the facade), and the others are counted from the first
+    first : (k, 3) points through which lines of family 0 run
+    ends : (k, 3) points of the rim at which lines end, of the family that meets it more steeply
 
     Raises
     ------
@@ -93,6 +102,7 @@ def place(field: Field, spacing: tuple[float, float], through: ArrayLike | None 
     found: tuple[Umbilic, ...] = ()
     if isinstance(field, PrincipalField):
         check_anisotropy(samples)
+        check_rest(samples, min(spacing))
         found = umbilics(samples)
     else:
         check_curved(samples)
@@ -102,13 +112,18 @@ def place(field: Field, spacing: tuple[float, float], through: ArrayLike | None 
         Tracer(field, family, _STEP * spacing[family], _LONGEST * samples.diameter, poles)
         for family in (0, 1)
     ]
-    fixed = _fixed(field, through, samples)
+    fixed = points_on(field.surface, through, samples.diameter)
     start = fixed[:1] if len(fixed) else _start(samples, poles, min(spacing))[None]
+    asked = [[fixed, points_on(field.surface, first, samples.diameter, "first")], [fixed]]
+    for family, seeds in enumerate(rim_seeds(tracers, ends, samples.diameter)):
+        asked[family].append(seeds)
     lines: list[list[Line]] = []
     for family in (0, 1):
         across = tracers[1 - family].lines(start)
-        kept = tracers[family].lines(fixed)
+        kept = tracers[family].lines(np.concatenate(asked[family]))
         seeds = _along(across, spacing[family], start if len(fixed) else None) if across else start
+        if len(kept) > len(fixed):
+            seeds = _clear(seeds, kept, field.surface, spacing[family])
         own = [*kept, *tracers[family].lines(seeds)]
         own = _filled(own, tracers[family], samples, spacing[family])
         lines.append(_thinned(own, samples, spacing[family], len(kept)))
@@ -142,37 +157,10 @@ def _start(samples: Samples, poles: Floats, spacing: float) -> Floats:
     return np.asarray(samples.parameters[int(far.argmax())])
 
 
-def _fixed(field: Field, through: ArrayLike | None, samples: Samples) -> Floats:
-    """(k, 2) parameters of points that lines are to run through.
-
-    Raises
-    ------
-    InputError
-        Points of another shape, off the surface or outside of its trim; names the first.
-    """
-    if through is None:
-        return np.zeros((0, 2))
-    surface = field.surface
-    points = np.asarray(through, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise InputError(f"through has shape {points.shape}: finite points (k, 3) are needed")
-    found = nearest_points(surface, points)
-    limit = _OFF * samples.diameter
-    for k, (far, inside) in enumerate(
-        zip(found.distance, surface.trim.inside(found.uv), strict=True)
-    ):
-        x, y, z = points[k]
-        if far > limit:
-            raise InputError(
-                f"{surface.name}: point {k} of through ({x:g}, {y:g}, {z:g}) lies {far:.4g} from "
-                f"the surface (limit {limit:.4g}, 1 % of the size)"
-            )
-        if not inside:
-            raise InputError(
-                f"{surface.name}: point {k} of through ({x:g}, {y:g}, {z:g}) lies outside of the "
-                "trimming curves"
-            )
-    return found.uv
+def _clear(seeds: Floats, kept: list[Line], surface: SplineSurface, spacing: float) -> Floats:
+    """The seeds that no line is near to."""
+    tree = cKDTree(np.concatenate([_dense(line) for line in kept]))
+    return np.asarray(seeds[tree.query(surface.points(seeds))[0] > _BARE * spacing])
 
 
 def _along(lines: list[Line], spacing: float, start: Floats | None = None) -> Floats:

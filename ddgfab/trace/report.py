@@ -10,8 +10,10 @@ from scipy.spatial import cKDTree
 
 from ddgfab.arguments import checked
 from ddgfab.measures import planarity_percent
-from ddgfab.surfaces.principal import DETERMINED
-from ddgfab.trace.field import sines
+from ddgfab.mesh import Floats
+from ddgfab.surfaces.principal import lifted
+from ddgfab.trace.certainty import UNCERTAIN_DEG, turn_by_error
+from ddgfab.trace.field import PrincipalField, sines
 from ddgfab.trace.mesh import TracedMesh
 from ddgfab.trace.placing import Network
 
@@ -26,10 +28,13 @@ class Quality:
     Attributes
     ----------
     lines : of family 0 and 1
-    spacing_percent : 5th, 50th and 95th percentile of inner edges over the wished spacing [%]
+    spacing_percent : 5th, 50th and 95th percentile of the edges over the wished spacing of their
+        family [%]; those of cells that the rim cuts do not count, where there are others
     planarity_percent : mean and greatest over inner faces
     face_sizes : how many inner, how many rim faces of each number of corners
-    undetermined_percent : part of the surface with anisotropy below 0.05: directions are uncertain
+    uncertain_percent : part of the surface where an error of 1/1000 of the spacing turns lines by
+        22.5 deg or more; 0 for conjugate families
+    turn_deg : median and 95th percentile of that turn, none for conjugate families
     least_angle_deg : at which the families meet
     umbilics : place, index, and whether it is doubtful (near the rim)
     spirals : lines that were given up for their length
@@ -41,7 +46,8 @@ class Quality:
     spacing_percent: tuple[float, float, float]
     planarity_percent: tuple[float, float]
     face_sizes: tuple[dict[int, int], dict[int, int]]
-    undetermined_percent: float
+    uncertain_percent: float
+    turn_deg: tuple[float, float] | None
     least_angle_deg: float
     umbilics: tuple[tuple[tuple[float, float, float], float, bool], ...]
     spirals: int
@@ -63,16 +69,21 @@ class Quality:
             f"planarity     mean {mean:.3g} %, greatest {greatest:.3g} % (inner faces)",
             f"families      meet at {self.least_angle_deg:.1f} deg or more",
         ]
+        if self.turn_deg is not None:
+            rows.append(
+                f"certainty     where the surface is out by 1/1000 of the spacing, lines turn by "
+                f"{self.turn_deg[0]:.1f} deg (median), 95 % below {self.turn_deg[1]:.1f} deg"
+            )
         rows += [f"note          {remark}" for remark in self.remarks()]
         return "\n".join(rows)
 
     def remarks(self) -> tuple[str, ...]:
         """What a designer must know: uncertain directions, umbilics, spirals; a sentence each."""
         rows = []
-        if self.undetermined_percent > 0:
+        if self.uncertain_percent > 0:
             rows.append(
-                f"directions are uncertain on {self.undetermined_percent:.1f} % of the surface "
-                f"(anisotropy below {DETERMINED:g})"
+                f"directions are uncertain on {self.uncertain_percent:.1f} % of the surface: both "
+                "curvatures are nearly equal there"
             )
         for (x, y, z), index, doubtful in self.umbilics:
             note = ", near the rim: doubtful" if doubtful else ""
@@ -94,7 +105,8 @@ class Quality:
             "planarity_percent": list(self.planarity_percent),
             "inner_face_sizes": {str(k): v for k, v in self.face_sizes[0].items()},
             "rim_face_sizes": {str(k): v for k, v in self.face_sizes[1].items()},
-            "undetermined_percent": self.undetermined_percent,
+            "uncertain_percent": self.uncertain_percent,
+            "turn_deg": None if self.turn_deg is None else list(self.turn_deg),
             "least_angle_deg": self.least_angle_deg,
             "umbilics": [
                 {"place": list(place), "index": index, "doubtful": doubtful}
@@ -110,11 +122,12 @@ def quality(network: Network, traced: TracedMesh) -> Quality:
     mesh, samples = traced.mesh, network.samples
     inner = traced.inner_faces
     outer = np.setdiff1d(np.arange(mesh.n_faces), inner)
-    along = mesh.edge_lengths[~mesh.boundary_edge]
-    wished = float(np.sqrt(network.spacing[0] * network.spacing[1]))
-    ratio = 100 * along / wished if len(along) else np.full(1, np.nan)
+    wished = float(min(network.spacing))
+    ratio = 100 * _ratios(network, traced)
     flat = planarity_percent(mesh)[inner] if len(inner) else np.zeros(1)
-    anisotropy = samples.principal.anisotropy[samples.inside]
+    turn = np.degrees(turn_by_error(samples.principal, wished))[samples.inside]
+    principal = isinstance(network.field, PrincipalField)
+    median, most = np.percentile(turn, [50, 95]).tolist()
     sine = sines(network.field, samples.jets)[samples.inside]
     places = np.array([umbilic.x for umbilic in network.umbilics]).reshape(-1, 3)
     far = cKDTree(samples.rim(wished / 4)).query(places)[0] if len(places) else []
@@ -126,7 +139,8 @@ def quality(network: Network, traced: TracedMesh) -> Quality:
         spacing_percent=(low, middle, high),
         planarity_percent=(float(flat.mean()), float(flat.max())),
         face_sizes=(_sizes(mesh.face_sizes[inner]), _sizes(mesh.face_sizes[outer])),
-        undetermined_percent=100 * float((anisotropy < DETERMINED).mean()),
+        uncertain_percent=100 * float((turn > UNCERTAIN_DEG).mean()) if principal else 0.0,
+        turn_deg=(median, most) if principal else None,
         least_angle_deg=float(np.degrees(np.arcsin(np.clip(sine.min(), 0, 1)))),
         umbilics=tuple(
             (umbilic.x, umbilic.index, bool(distance < _DOUBTFUL * wished))
@@ -134,6 +148,24 @@ def quality(network: Network, traced: TracedMesh) -> Quality:
         ),
         spirals=network.spirals,
     )
+
+
+def _ratios(network: Network, traced: TracedMesh) -> Floats:
+    """Lengths of edges over the spacing of the lines that they lead to."""
+    mesh, field = traced.mesh, network.field
+    cut = mesh.boundary_vertex[mesh.edges].any(axis=1)
+    chosen = np.flatnonzero(~cut) if not cut.all() else np.flatnonzero(~mesh.boundary_edge)
+    if not len(chosen):
+        return np.full(1, np.nan)
+    ends = traced.uv[mesh.edges[chosen]]
+    jets = field.surface.jets(ends.mean(axis=1))
+    way = lifted(jets, ends[:, 1] - ends[:, 0])
+    along = [
+        np.abs(np.einsum("nx,nx->n", way, lifted(jets, field.directions(jets, family))))
+        for family in (0, 1)
+    ]
+    across = np.where(along[0] >= along[1], network.spacing[1], network.spacing[0])
+    return np.asarray(mesh.edge_lengths[chosen] / across)
 
 
 def _sizes(values: Any) -> dict[int, int]:

@@ -26,8 +26,6 @@ _ROUND_SHARE: Final = 0.2
 """With a greater share of such samples every orthogonal net is principal."""
 _MANY: Final = 3
 """So many zeros, or more, may lie on a line of umbilics."""
-_NOISE: Final = 40
-"""More zeros than this are noise."""
 _LOW: Final = 0.05
 """Curvatures that differ by less than this part of their median difference from one zero to the
 next make a line."""
@@ -114,12 +112,11 @@ def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
     groups = [group for group in _clusters(zeros / samples.cell) if inside[group].any()]
     if len(groups) >= _MANY:
         u, v = zeros[groups[0][0]]
-        what = _many(samples, np.array([zeros[group].mean(axis=0) for group in groups]))
-        if what:
+        if _on_line(samples, np.array([zeros[group].mean(axis=0) for group in groups])):
             raise DegenerateError(
-                f"{samples.surface.name}: {len(groups)} umbilics: {what} (near u = {u:.4g}, "
-                f"v = {v:.4g})\ngive directions: --along X,Y,Z (plane sections), or change the "
-                "surface there"
+                f"{samples.surface.name}: {len(groups)} umbilics: a line of umbilics (near "
+                f"u = {u:.4g}, v = {v:.4g})\ngive directions: --along X,Y,Z (plane sections), "
+                "or change the surface there"
             )
     found = []
     for group in groups:
@@ -134,8 +131,8 @@ def umbilics(samples: Samples) -> tuple[Umbilic, ...]:
     return tuple(sorted(found, key=lambda umbilic: umbilic.uv))
 
 
-def _many(samples: Samples, zeros: Floats) -> str:
-    """What many zeros (n, 2) are that make no net; empty where they are single umbilics."""
+def _on_line(samples: Samples, zeros: Floats) -> bool:
+    """Whether zeros (n, 2) lie on lines of umbilics."""
     apart = np.linalg.norm((zeros[:, None] - zeros[None]) / samples.cell, axis=2)
     np.fill_diagonal(apart, np.inf)
     next_ = zeros[apart.argmin(axis=1)]
@@ -147,9 +144,7 @@ def _many(samples: Samples, zeros: Floats) -> str:
     size = np.hypot(*principal(samples.surface.jets(near)).deviator.T).reshape(7, 25, -1)
     median = float(np.median(np.hypot(*samples.principal.deviator[samples.inside].T)))
     on_line = size.min(axis=1).max(axis=0) < _LOW * median
-    if on_line.sum() > len(zeros) / 2:
-        return "a line of umbilics"
-    return "noise" if len(zeros) > _NOISE else ""
+    return bool(on_line.sum() > len(zeros) / 2)
 
 
 def _newton(surface: SplineSurface, start: Floats, cell: Floats) -> Floats:

@@ -146,9 +146,9 @@ def _text(rows: list[tuple[str, str]]) -> str:
 def _surface(source: str | None, origin: Floats) -> SplineSurface | None:
     if source is None:
         return None
-    from fabrication.surfaces_in.find import find_surface
+    from fabrication.surfaces_in.find import find_surfaces
 
-    return find_surface(source).moved(-origin)
+    return find_surfaces(source)[0].moved(-origin)
 
 
 def _write(path: Path, mesh: Mesh, origin: Floats) -> None:

@@ -12,8 +12,7 @@ from fabrication.cli.common import Change, Debug, Quiet, Units, Verbose, app
 from fabrication.cli.terminal import Session, session
 
 if TYPE_CHECKING:
-    from ddgfab.surfaces.spline import SplineSurface
-    from ddgfab.trace import Traced
+    from ddgfab.trace.patches import Patches
 
 
 @app.command("trace")
@@ -31,7 +30,10 @@ def trace_command(
     across: Annotated[
         float | None, typer.Option(help="Distance of the lines of the second family [mm].")
     ] = None,
-    face: Annotated[int | None, typer.Option(help="Which face of the file, from 0.")] = None,
+    face: Annotated[
+        list[str] | None,
+        typer.Option(help="Which face of the file: number from 0, name, or all. Repeatable."),
+    ] = None,
     along: Annotated[
         str | None,
         typer.Option(help="X,Y,Z: one family lies in planes with this normal, one is conjugate."),
@@ -39,6 +41,10 @@ def trace_command(
     turn: Annotated[
         float | None,
         typer.Option(help="One family is turned from principal by this [deg], one is conjugate."),
+    ] = None,
+    curves: Annotated[
+        Path | None,
+        typer.Option(help="DXF, OBJ or CSV file: one family follows its curves [mm]."),
     ] = None,
     through: Annotated[
         list[str] | None,
@@ -62,8 +68,9 @@ def trace_command(
 
     Writes the mesh [mm], trimmed at the rim of the surface (curved trims as polygons of 96 sides an
     edge), a report (OUTPUT.json: spacing, planarity, umbilics, angles of the edges, which vertices
-    are inner, rim or corner) and a picture of umbilics and anisotropy. `ddgfab optimize` makes the
-    faces planar.
+    are inner, rim or corner) and a picture: umbilics, and how far an error of the surface would
+    turn the lines (conjugate lines: at which angle they meet). Several faces of a file are kept
+    together where the lines meet at their borders. `ddgfab optimize` makes the faces planar.
     Settings are those of [net]: `--set net.spacing_mm=1500`, and the parameters of surfaces by
     name: `ddgfab trace dome --set net.radius_x_mm=30e3`.
     """
@@ -88,10 +95,11 @@ def trace_command(
             "net",
             spacing_mm=spacing,
             spacing_across_mm=across,
-            face=face,
+            face=None if not face else face[0] if len(face) == 1 else face,
             along=None if along is None else _vector(along, "--along"),
             through=None if not through else [_vector(point, "--through") for point in through],
             turn_deg=turn,
+            curves=None if curves is None else str(curves),
         )
         if surface is not None:
             net |= _source(surface)
@@ -100,43 +108,65 @@ def trace_command(
         check_target(output)
         put(sections, "project", units=units, scale=scale)
         project = make_project({**sections, "net": {"kind": "surface", **net}})
-        name, found = traced_net(project)
-        has_quads = bool((found.mesh.face_sizes == 4).any())  # coarse nets may have none
-        edges = alignment(found.mesh, name) if has_quads else None
-        record = found.quality.to_dict() | ({} if edges is None else {"edges": edges.to_dict()})
-        tags = [TAGS[tag] for tag in found.traced.tag.tolist()]
+        found = traced_net(project)
+        records, said = [], []
+        for surface_, one in zip(found.surfaces, found.traced, strict=True):
+            has_quads = bool((one.mesh.face_sizes == 4).any())  # coarse nets may have none
+            edges = alignment(one.mesh, surface_) if has_quads else None
+            record = one.quality.to_dict() | ({} if edges is None else {"edges": edges.to_dict()})
+            name = {"surface": surface_.name} if len(found.traced) > 1 else {}
+            records.append(name | record)
+            rows = [] if edges is None else edges.lines()
+            said += [] if len(found.traced) == 1 else [surface_.name]
+            said += [one.quality.text(), *(f"{title:<16}{text}" for title, text in rows)]
+        record = records[0] if len(records) == 1 else {"patches": records, "joints": found.joints}
+        said += [f"note          {joint}" for joint in found.joints]
+        tags = [TAGS[tag] for tag in found.tag.tolist()]
         write_mesh(output, found.mesh, units="mm")
         with atomic_path(output.with_suffix(".json")) as temporary:
             text = json.dumps({**record, "vertex_tags": tags}, indent=1)
             temporary.write_text(text + "\n", encoding="utf-8")
-        warning = _draw(output.with_suffix(".png"), name, found) if picture else ""
+        warning = _draw(output.with_suffix(".png"), found) if picture else ""
         if as_json:
             run.result(json.dumps(record, indent=1))
         else:
-            run.detail(f"surface: {name!r}")
-            rows = [] if edges is None else edges.lines()
-            said = [found.quality.text(), *(f"{title:<16}{text}" for title, text in rows)]
+            for surface_ in found.surfaces:
+                run.detail(f"surface: {surface_!r}")
             run.say("\n".join([*said, repr(found.mesh)]))
             run.result(f"written to {output} [mm]")
         if warning:
             run.fail(warning)
 
 
-def _draw(path: Path, surface: SplineSurface, found: Traced) -> str:
-    """The net, and how determined its lines are; a warning where this machine cannot draw."""
+def _draw(path: Path, found: Patches) -> str:
+    """The net, and what its lines depend on; a warning where this machine cannot draw."""
     import numpy as np
 
     from ddgfab.errors import OutputError
     from ddgfab.surfaces.principal import principal
+    from ddgfab.trace import PrincipalField
+    from ddgfab.trace.certainty import turn_by_error
+    from ddgfab.trace.field import sines
     from fabrication.pictures.fields import Panel, write_panels
 
-    certain = principal(surface.jets(found.traced.uv)).anisotropy
-    places = np.array([umbilic.x for umbilic in found.network.umbilics]).reshape(-1, 3)
-    names = tuple(f"umbilic {umbilic.index:+g}" for umbilic in found.network.umbilics)
+    marked = [umbilic for one in found.traced for umbilic in one.network.umbilics]
+    places = np.array([umbilic.x for umbilic in marked]).reshape(-1, 3)
+    names = tuple(f"umbilic {umbilic.index:+g}" for umbilic in marked)
+    values = np.zeros(found.mesh.n_vertices)
+    for one, index in zip(found.traced, found.joined.index, strict=True):
+        field, keep = one.network.field, index >= 0
+        jets = field.surface.jets(one.traced.uv[keep])
+        if isinstance(field, PrincipalField):
+            angle = turn_by_error(principal(jets), found.spacing)
+            title, span = "turn by an error of 1/1000 spacing [deg]", (0.0, 45.0)
+        else:
+            angle = np.arcsin(np.clip(sines(field, jets), 0.0, 1.0))
+            title, span = "angle of the families [deg]", (0.0, 90.0)
+        values[index[keep]] = np.degrees(angle)
     rim = np.flatnonzero(found.mesh.boundary_edge)
     panels = [
         Panel(found.mesh, lines=rim, marks=places, captions=names),
-        Panel(found.mesh, certain, "anisotropy", (0.0, 1.0)),
+        Panel(found.mesh, values, title, span),
     ]
     try:
         write_panels(path, panels)

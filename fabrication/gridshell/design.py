@@ -205,7 +205,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
         else:
             optimized, more = traced_optimum(net.mesh, net.reference, project, report)
         found = optimized.axes if isinstance(optimized, TorsionFreeResult) else None
-        off = () if net.surface is None else (distance_note(net.surface, optimized.mesh),)
+        off = (distance_note(net.surfaces, optimized.mesh),) if net.surfaces else ()
         notes = (*net.notes, *off, *more, *optimized.remarks)
         net = replace(net, mesh=optimized.mesh, notes=notes, axes=found)
         stop("optimize")

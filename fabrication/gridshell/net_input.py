@@ -16,7 +16,6 @@ from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, unlikely_size
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.support import SupportKind
 from ddgfab.surfaces.spline import SplineSurface
-from ddgfab.trace.reference import reference_mesh
 from fabrication.gridshell.net_settings import MESH, SURFACE
 from fabrication.gridshell.project import Project
 from fabrication.gridshell.traced import traced_net
@@ -31,7 +30,7 @@ class NetInput:
     """A net [mm] and where it came from: file and sha256, reader's notes.
 
     The file is that of the mesh, or of the combinatorics that a generated net starts from; None
-    where there is none. axes : (V, 3) node axes that the file carries, or None. surface : what a
+    where there is none. axes : (V, 3) node axes that the file carries, or None. surfaces : what a
     traced net was traced on; reference : the same as a fine mesh, what its optimisation stays near
     to.
     """
@@ -41,7 +40,7 @@ class NetInput:
     sha256: str | None
     notes: tuple[str, ...]
     axes: Floats | None = None
-    surface: SplineSurface | None = None
+    surfaces: tuple[SplineSurface, ...] = ()
     reference: Mesh | None = None
 
 
@@ -104,14 +103,14 @@ def _size(factor: float, median_mm: float) -> str:
 
 def _traced(project: Project) -> NetInput:
     """The net traced on the project's surface."""
-    surface, found = traced_net(project)
-    notes = tuple(f"net traced on {surface.name}: {row}" for row in found.quality.remarks())
-    reference = reference_mesh(surface, found.traced)
+    found = traced_net(project)
+    name = found.surfaces[0].name if len(found.surfaces) == 1 else f"{len(found.surfaces)} patches"
+    notes = tuple(f"net traced on {name}: {row}" for row in found.remarks())
     path = project.mesh_path
-    if path is None:
-        return NetInput(found.mesh, None, None, notes, None, surface, reference)
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    return NetInput(found.mesh, str(path), digest, notes, None, surface, reference)
+    file, digest = None, None
+    if path is not None:
+        file, digest = str(path), hashlib.sha256(path.read_bytes()).hexdigest()
+    return NetInput(found.mesh, file, digest, notes, None, found.surfaces, found.reference)
 
 
 def _read(project: Project, path: Path) -> ReadResult:

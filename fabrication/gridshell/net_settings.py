@@ -26,6 +26,9 @@ from fabrication.project.sections import (
 
 VertexIds = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(strict=False)]
 
+FaceNumber = Annotated[int, Field(ge=0)]
+FaceList = Annotated[tuple[FaceNumber | str, ...], Field(strict=False)]
+
 MESH: Final = "mesh"
 """The kind of net that is read from a file."""
 
@@ -90,9 +93,12 @@ class NetSettings(Section):
     surface : "surface": its name, of those that `ddgfab trace --list` shows, instead of a file
     spacing_mm, spacing_across_mm : "surface": distance of neighboring lines, of the first family
         and of the second
-    face : "surface": which face of the file, from 0
+    face : "surface": which face of the file: its number from 0, its name, several of them as a
+        list (one net a face, kept together along their borders), or "all"
     along : "surface": normal of planes; one family is the sections, the other conjugate to it
     turn_deg : "surface": angle of one family to the principal directions, the other is conjugate
+    curves : "surface": DXF, OBJ or CSV file of curves [mm] that one family follows, the other is
+        conjugate to them; relative to the project file
     through : "surface": points [mm] through which a line of each family runs: [[0, 0, 3000]]
     """
 
@@ -106,9 +112,10 @@ class NetSettings(Section):
     surface: str = ""
     spacing_mm: Positive = 1500.0
     spacing_across_mm: Positive | None = None
-    face: Annotated[int, Field(ge=0)] | None = None
+    face: FaceNumber | str | FaceList | None = None
     along: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)] | None = None
     turn_deg: Finite | None = None
+    curves: Path | None = Field(default=None, strict=False)
     through: (
         Annotated[
             tuple[Annotated[tuple[Finite, Finite, Finite], Field(strict=False)], ...],

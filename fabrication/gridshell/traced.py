@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -14,26 +15,27 @@ from ddgfab.optimize import OptimizeResult
 from ddgfab.support import support_structure
 from ddgfab.surfaces.nearest import nearest_points
 from ddgfab.surfaces.spline import SplineSurface
-from ddgfab.trace import Traced, trace
+from ddgfab.trace.patches import Patches, trace_patches
 from fabrication.gridshell.load import TRACED_GOAL
 from fabrication.gridshell.net_settings import OptimizeSettings
 from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.project import Project
 from fabrication.progress import Progress
-from fabrication.surfaces_in.find import MESH_SUFFIXES, find_surface
+from fabrication.surfaces_in.curves import read_curves
+from fabrication.surfaces_in.find import MESH_SUFFIXES, find_surfaces
 
 _ANY_LEAN: Final = 89.0
 """Node axes that lean by less [deg] are measured before they are judged."""
 
 
-def traced_net(project: Project) -> tuple[SplineSurface, Traced]:
-    """The surface of a project, and the net [mm] traced on it.
+def traced_net(project: Project) -> Patches:
+    """The net [mm] traced on the surfaces of a project.
 
     Raises
     ------
     InputError
         The surface cannot be found or read; the unit or scale of a surface that is in millimetres
-        by itself; a spacing that does not suit it.
+        by itself; a spacing that does not suit it; curves that do not lie on it.
     DegenerateError
         Lines that make no cells; names the place.
     """
@@ -47,22 +49,29 @@ def traced_net(project: Project) -> tuple[SplineSurface, Traced]:
             "[project] units and scale are for meshes: STEP and IGES files state their unit, and "
             "surfaces by name are in millimetres"
         )
-    surface = find_surface(source, net.parameters, net.face, units=size.units, scale=size.scale)
-    return surface, trace(
-        surface,
+    surfaces = find_surfaces(source, net.parameters, net.face, units=size.units, scale=size.scale)
+    drawn = None
+    if net.curves is not None:
+        folder = Path() if project.file is None else project.file.parent
+        drawn = read_curves(folder / net.curves)
+    return trace_patches(
+        surfaces,
         (net.spacing_mm, net.spacing_across_mm or net.spacing_mm),
         along=net.along,
         turn=None if net.turn_deg is None else math.radians(net.turn_deg),
+        drawn=drawn,
         through=None if not net.through else np.array(net.through),
     )
 
 
-def distance_note(surface: SplineSurface, mesh: Mesh) -> str:
-    """How far the vertices of a net [mm] lie from the surface itself, a sentence."""
-    far = np.where(mesh.valences > 0, nearest_points(surface, mesh.vertices).distance, 0.0)
+def distance_note(surfaces: Sequence[SplineSurface], mesh: Mesh) -> str:
+    """How far the vertices of a net [mm] lie from the surfaces themselves, a sentence."""
+    each = [nearest_points(surface, mesh.vertices).distance for surface in surfaces]
+    far = np.where(mesh.valences > 0, np.min(each, axis=0), 0.0)
     worst = int(far.argmax())
+    name = surfaces[0].name if len(surfaces) == 1 else f"the {len(surfaces)} surfaces"
     return (
-        f"vertices lie {far[mesh.valences > 0].mean():.3g} mm from {surface.name} on average, at "
+        f"vertices lie {far[mesh.valences > 0].mean():.3g} mm from {name} on average, at "
         f"most {far[worst]:.3g} mm (vertex {worst})"
     )
 

@@ -44,6 +44,7 @@ PLURALS: Final = {
 
 EXPORT: Final = (
     "make a mesh of it in Rhino (Mesh, ToNURBS > QuadRemesh, or Explode for blocks) and save again"
+    "; a net on NURBS surfaces: ddgfab trace"
 )
 
 
@@ -61,13 +62,8 @@ def parse_rhino(data: bytes, file: str) -> RawMesh:
 
     Source: openNURBS, `ON_Mesh` and `ON_3dmSettings`, read by rhino3dm.
     """
-    if importlib.util.find_spec("rhino3dm") is None:
-        raise MeshError(
-            "Rhino files need rhino3dm, which is not installed: pip install 'ddgfab[3dm]'\n"
-            "or export the mesh from Rhino as OBJ",
-            file=file,
-        )
-    found = _in_child(data, file)
+    require_reader(file)
+    found = in_child(data, file, __name__)
     about: dict[str, Any] = json.loads(str(found["about"]))
     counts: dict[str, int] = about["skipped"]
     skipped = ", ".join(f"{count} {what}" for what, count in counts.items())
@@ -104,10 +100,32 @@ def parse_rhino(data: bytes, file: str) -> RawMesh:
     )
 
 
-def _in_child(data: bytes, file: str) -> dict[str, Any]:
-    """What `main` writes, run by itself."""
+def require_reader(file: str) -> None:
+    """Raise where the library that reads Rhino files is missing.
+
+    Raises
+    ------
+    MeshError
+        Names what to install.
+    """
+    if importlib.util.find_spec("rhino3dm") is None:
+        raise MeshError(
+            "Rhino files need rhino3dm, which is not installed: pip install 'ddgfab[3dm]'\n"
+            "or export the mesh from Rhino as OBJ",
+            file=file,
+        )
+
+
+def in_child(data: bytes, file: str, module: str) -> dict[str, Any]:
+    """The arrays that `main` of a module writes, run by itself.
+
+    Raises
+    ------
+    MeshError
+        It takes too long, or ends with an error.
+    """
     root = str(Path(__file__).resolve().parents[2])
-    code = f"import sys; sys.path.insert(0, {root!r}); from {__name__} import main; main()"
+    code = f"import sys; sys.path.insert(0, {root!r}); from {module} import main; main()"
     try:
         done = subprocess.run(
             [sys.executable, "-c", code], input=data, capture_output=True, timeout=SECONDS
@@ -131,13 +149,8 @@ _NO_FILE: Final = 7
 
 def main() -> None:
     """Read a Rhino file from standard input, and write its meshes as arrays to standard output."""
-    _limit()
-    import rhino3dm
-
-    read: Any = rhino3dm.File3dm.FromByteArray  # its stubs are not those of the library
-    model = read(sys.stdin.buffer.read())
-    if model is None:
-        raise SystemExit(_NO_FILE)
+    limit_memory()
+    model = model_of(sys.stdin.buffer.read())
     points: list[Any] = [np.empty((0, 3))]
     faces: list[Any] = [np.empty((0, 4), dtype=np.int64)]
     skipped: dict[str, int] = {}
@@ -175,11 +188,22 @@ def main() -> None:
     sys.stdout.buffer.write(out.getvalue())
 
 
+def model_of(data: bytes) -> Any:
+    """The model of a Rhino file; this process ends where it is none."""
+    import rhino3dm
+
+    read: Any = rhino3dm.File3dm.FromByteArray  # its stubs are not those of the library
+    model = read(data)
+    if model is None:
+        raise SystemExit(_NO_FILE)
+    return model
+
+
 def _vertices(mesh: Any) -> list[Any]:
     return [mesh.Vertices.Point3dAt(i) for i in range(len(mesh.Vertices))]
 
 
-def _limit() -> None:
+def limit_memory() -> None:
     """Limit this process's memory, where the system can."""
     try:
         import resource

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,43 +12,41 @@ from ddgfab.mesh import Floats
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.surfaces.trim import polygon_area
 from fabrication.formats.step.apart import apart
-from fabrication.formats.step.xcaf import free_labels, read_document
-
-_CURVE_POINTS: Final = 96
-"""Points of a curved trimming edge."""
-_STRAIGHT: Final = 1e-9
-"""A trimming edge is straight when it leaves its chord by less, relative to its length."""
+from fabrication.formats.step.xcaf import components, free_labels, get_name, read_document
+from fabrication.surfaces_in.choice import FaceChoice, chosen, patch_name
+from fabrication.surfaces_in.loops import CURVE_POINTS, closed_loop, thinned
 
 
-def cad_faces(path: Path) -> list[Any]:
-    """The faces of a STEP or IGES file as kernel objects, in the file's order.
+class CadFace(NamedTuple):
+    """A face as a kernel object, and its names: its own, then those of the bodies it belongs to."""
+
+    shape: Any
+    names: tuple[str, ...]
+
+
+def cad_faces(path: Path) -> list[CadFace]:
+    """The faces of a STEP or IGES file, in the file's order.
 
     Raises
     ------
     InputError
         A file that is missing or cannot be read, or has no faces.
     """
-    from OCP.TopAbs import TopAbs_FACE
-    from OCP.TopExp import TopExp_Explorer
-    from OCP.TopoDS import TopoDS
-
-    faces = []
-    for shape in _shapes(path):
-        explorer = TopExp_Explorer(shape, TopAbs_FACE)
-        while explorer.More():
-            faces.append(TopoDS.Face_s(explorer.Current()))
-            explorer.Next()
+    if path.suffix.lower() in (".step", ".stp"):
+        faces = _step_faces(path)
+    else:
+        faces = [CadFace(face, ()) for face in _faces_of(_iges_shape(path))]
     if not faces:
         raise InputError("has no faces; surfaces are needed, not curves or meshes", file=str(path))
     return faces
 
 
-def read_cad_surface(path: Path, face: int | None = None) -> SplineSurface:
-    """One face of a STEP or IGES file, read by the CAD kernel in a process of its own.
+def read_cad_surfaces(path: Path, faces: FaceChoice = None) -> list[SplineSurface]:
+    """Faces of a STEP or IGES file, read by the CAD kernel in a process of its own.
 
     Parameters
     ----------
-    face : its number, from 0; may be left out where the file has one face
+    faces : see `chosen`
 
     Raises
     ------
@@ -56,32 +54,83 @@ def read_cad_surface(path: Path, face: int | None = None) -> SplineSurface:
         No such face, several faces and none chosen (lists them), or one that is no regular patch;
         a file that the kernel cannot read, or not within the limits of time and memory.
     """
-    return apart(_read_surface, path, face)
+    return apart(_read_surfaces, path, faces)
 
 
-def _read_surface(path: Path, face: int | None) -> SplineSurface:
+def read_cad_surface(path: Path, face: int | str | None = None) -> SplineSurface:
+    """One face of a STEP or IGES file; it may be left out where the file has one.
+
+    Raises
+    ------
+    InputError
+        As `read_cad_surfaces`.
+    """
+    return read_cad_surfaces(path, face)[0]
+
+
+def _read_surfaces(path: Path, faces: FaceChoice) -> list[SplineSurface]:
     """The same in this process."""
-    faces = cad_faces(path)
-    if face is None:
-        if len(faces) > 1:
-            areas = [f"{k} ({_area(shape) / 1e6:.3g} m2)" for k, shape in enumerate(faces[:12])]
-            more = "" if len(faces) <= 12 else ", ..."
-            raise InputError(
-                f"has {len(faces)} faces: {', '.join(areas)}{more}; choose one: --face 0",
-                file=str(path),
-            )
-        face = 0
-    if not 0 <= face < len(faces):
-        raise InputError(f"has no face {face}; faces are 0 to {len(faces) - 1}", file=str(path))
-    return _surface(faces[face], f"{path.name} face {face}")
+    found = cad_faces(path)
+    names = [face.names for face in found]
+    numbers = chosen(names, [_area(face.shape) for face in found], faces, str(path))
+    return [
+        _surface(found[k].shape, patch_name(path.name, k, names[k] if len(found) > 1 else ()))
+        for k in numbers
+    ]
 
 
-def _shapes(path: Path) -> list[Any]:
-    if path.suffix.lower() in (".step", ".stp"):
-        from OCP.XCAFDoc import XCAFDoc_ShapeTool
+def _step_faces(path: Path) -> list[CadFace]:
+    """Faces of a STEP file with the names of ADVANCED_FACE, of products and of their uses."""
+    from OCP.Interface import Interface_Static
+    from OCP.STEPCAFControl import STEPCAFControl_Reader
+    from OCP.TDF import TDF_LabelSequence
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
-        document, _ = read_document(path)
-        return [XCAFDoc_ShapeTool.GetShape_s(label) for label in free_labels(document)]
+    STEPCAFControl_Reader()  # the kernel knows its settings from its first reader on
+    Interface_Static.SetIVal_s("read.stepcaf.subshapes.name", 1)
+    document, _ = read_document(path)
+    found: list[CadFace] = []
+
+    def walk(label: Any, place: Any, names: tuple[str, ...]) -> None:
+        own = get_name(label)
+        names = (own, *names) if own and own not in names else names
+        if XCAFDoc_ShapeTool.IsAssembly_s(label):
+            for use, target in components(label):
+                again = get_name(use)
+                more = (again, *names) if again and again not in names else names
+                walk(target, place.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(use)), more)
+            return
+        shape = XCAFDoc_ShapeTool.GetShape_s(label)
+        parts = TDF_LabelSequence()
+        XCAFDoc_ShapeTool.GetSubShapes_s(label, parts)
+        named = [
+            (XCAFDoc_ShapeTool.GetShape_s(parts.Value(i)), get_name(parts.Value(i)))
+            for i in range(1, parts.Length() + 1)
+        ]
+        for face in _faces_of(shape):
+            said = tuple(name for part, name in named if name and part.IsSame(face))
+            found.append(CadFace(face.Moved(place), (*said, *names)))
+
+    for label in free_labels(document):
+        walk(label, TopLoc_Location(), ())
+    return found
+
+
+def _faces_of(shape: Any) -> list[Any]:
+    from OCP.TopAbs import TopAbs_FACE
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopoDS import TopoDS
+
+    faces = []
+    explorer = TopExp_Explorer(shape, TopAbs_FACE)
+    while explorer.More():
+        faces.append(TopoDS.Face_s(explorer.Current()))
+        explorer.Next()
+    return faces
+
+
+def _iges_shape(path: Path) -> Any:
     from OCP.IFSelect import IFSelect_ReturnStatus
     from OCP.IGESControl import IGESControl_Reader
 
@@ -91,7 +140,7 @@ def _shapes(path: Path) -> list[Any]:
     if reader.ReadFile(str(path)) != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise InputError("is no IGES file that can be read", file=str(path))
     reader.TransferRoots()
-    return [reader.OneShape()]
+    return reader.OneShape()
 
 
 def _area(face: Any) -> float:
@@ -179,29 +228,15 @@ def _loops(face: Any, domain: list[tuple[float, float]]) -> list[Floats]:
                 [
                     (p.X(), p.Y())
                     for p in (
-                        curve.Value(t) for t in np.linspace(low, high, _CURVE_POINTS + 1).tolist()
+                        curve.Value(t) for t in np.linspace(low, high, CURVE_POINTS + 1).tolist()
                     )
                 ]
             )
             if edge.Orientation() == TopAbs_REVERSED:
                 points = points[::-1]
-            parts.append(_thinned(points)[:-1])
+            parts.append(thinned(points))
             edges.Next()
-        loop = np.concatenate(parts)
-        low_, high_ = np.array(domain).T
-        near = 1e-7 * (high_ - low_)
-        loop = np.where(np.abs(loop - low_) < near, low_, loop)
-        loop = np.where(np.abs(loop - high_) < near, high_, loop)
-        loops.append(loop)
+        loops.append(closed_loop(parts, domain))
         explorer.Next()
     loops.insert(0, loops.pop(first))
     return [loop for k, loop in enumerate(loops) if k == 0 or abs(polygon_area(loop)) > 0]
-
-
-def _thinned(points: Floats) -> Floats:
-    """Both ends of a straight row of points; all points of a curved one."""
-    chord = points[-1] - points[0]
-    length = float(np.linalg.norm(chord))
-    gap = points - points[0]
-    off = np.abs(gap[:, 0] * chord[1] - gap[:, 1] * chord[0])
-    return points[[0, -1]] if length > 0 and off.max() <= _STRAIGHT * length**2 else points
