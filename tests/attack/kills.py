@@ -17,6 +17,8 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,10 +26,12 @@ HERE = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(HERE), str(HERE / "tests" / "fabrication")]
 
 import folder_cases as cases  # noqa: E402
+from roofs import barrel  # noqa: E402
 
 from ddgfab.errors import DdgError  # noqa: E402
+from ddgfab.io import write_obj  # noqa: E402
 from fabrication.job.folder import OutputFolder  # noqa: E402
-from fabrication.job.manifest import faults, read_manifest  # noqa: E402
+from fabrication.job.manifest import faults  # noqa: E402
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 JOB = """
@@ -38,7 +42,7 @@ print("begin", flush=True)
 for k in range(1000):
     cases.make_job(Path(sys.argv[1]), f"run{k}")
 """
-COMMAND = ["make", "--formats", "csv,stl", "--verify", "none", "--set", "net.panels_along=4"]
+COMMAND = ["make", "roof.obj", "--formats", "csv,stl", "--verify", "none", "--jobs", "2", "-q"]
 
 
 def kill_small_jobs(rng: random.Random, target: Path) -> str:
@@ -62,52 +66,86 @@ def kill_small_jobs(rng: random.Random, target: Path) -> str:
     return "whole"
 
 
-def kill_command(rng: random.Random, target: Path) -> str:
-    """`ddgfab make` with two workers is killed, the whole group."""
-    begin, ended_before = time.monotonic(), target.exists()
-    job = subprocess.Popen(
-        [sys.executable, "-m", "fabrication", *COMMAND, "-q", "-o", str(target), "--jobs", "2"],
-        env=ENVIRONMENT,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    try:
-        job.wait(timeout=rng.uniform(0.3, 1.1) * kill_command.longest)  # type: ignore[attr-defined]
-    except subprocess.TimeoutExpired:
-        os.killpg(job.pid, signal.SIGKILL)
-        job.wait()
-        ended = "killed"
-    else:
-        kill_command.longest = time.monotonic() - begin  # type: ignore[attr-defined]
-        ended = "came through" if job.returncode == 0 else f"FAILED with {job.returncode}"
-    OutputFolder(target).prepare()
-    if target.exists():
+class Command:
+    """`ddgfab make` with two workers; the first job comes through and tells what is whole."""
+
+    def __init__(self) -> None:
+        self.files: set[str] = set()
+        self.longest = 0.0
+
+    def __call__(self, rng: random.Random, target: Path) -> str:
+        """Start a job, kill it with its workers after a while, and look at what is there."""
+        roof = target.with_name("roof.obj")
+        if not roof.exists():
+            write_obj(roof, barrel(4, 5))
+        begin = time.monotonic()
+        job = subprocess.Popen(
+            [sys.executable, "-m", "fabrication", *COMMAND, "-o", str(target)],
+            cwd=target.parent,
+            env=ENVIRONMENT,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+        )
+        try:
+            # Most of a job is spent before its files are there: half of the kills come at its end.
+            part = rng.choice((rng.uniform(0.1, 1.0), rng.uniform(0.8, 1.05)))
+            said = job.communicate(timeout=part * self.longest if self.files else None)[1]
+        except subprocess.TimeoutExpired:
+            os.killpg(job.pid, signal.SIGKILL)
+            job.communicate()
+            ended = "killed"
+        else:
+            self.longest = 0.5 * (self.longest or time.monotonic() - begin)
+            self.longest += 0.5 * (time.monotonic() - begin)
+            if job.returncode:
+                return f"FAILED with {job.returncode}: {said.decode()[-300:]}"
+            ended = "came through"
+        OutputFolder(target).prepare()
         wrong = faults(target)
         if wrong is not None:
             return f"FAILED: {wrong}"
-        if len(read_manifest(target / "manifest.json")["files"]) < 20:
-            return "FAILED: files are missing"
-        if not (target / "mine").exists() and ended_before:
-            return "FAILED: a file of others is lost"
-        (target / "mine").write_text("keep")
-    return f"{ended}, {'whole' if target.exists() else 'nothing yet'}"
+        files = {str(path.relative_to(target)) for path in target.rglob("*") if path.is_file()}
+        self.files = self.files or files
+        if not (target / "mine").exists():
+            if len(self.files) != len(files):
+                return "FAILED: a file of others is lost"
+            (target / "mine").write_text("keep")
+        elif files - {"mine"} != self.files:
+            return f"FAILED: files differ: {sorted((files - {'mine'}) ^ self.files)}"
+        if left := _processes(job.pid):
+            return f"FAILED: processes are left: {left}"
+        return f"{ended}, whole"
 
 
-kill_command.longest = 20.0  # type: ignore[attr-defined]
+def _processes(group: int) -> list[int]:
+    """Processes of a session that still run."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            words = path.read_text().rpartition(")")[2].split()
+            if int(words[3]) == group and words[0] != "Z":
+                found.append(int(path.parent.name))
+    return found
 
 
-def attack(count: int, folder: Path, *, command: bool = False, seed: int = 0) -> Counter[str]:
+def attack(
+    count: int,
+    folder: Path,
+    *,
+    kill: Callable[[random.Random, Path], str] = kill_small_jobs,
+    seed: int = 0,
+) -> Counter[str]:
     """Outcomes by kind; what may not happen begins with FAILED."""
     rng, outcomes = random.Random(seed), Counter[str]()
     target = folder / "out"
     for _ in range(count):
         try:
-            outcome = (kill_command if command else kill_small_jobs)(rng, target)
+            outcome = kill(rng, target)
         except (DdgError, AssertionError, OSError) as error:
             outcome = f"FAILED: {type(error).__name__}: {error}"
         outcomes[outcome] += 1
-        left = {path.name for path in folder.iterdir()} - {"out"}
+        left = {path.name for path in folder.iterdir()} - {"out", "roof.obj"}
         if left:
             outcomes[f"FAILED: left behind: {sorted(left)}"] += 1
     return outcomes
@@ -117,11 +155,15 @@ def main() -> int:
     """Attack, print, and say whether all went well."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--command", action="store_true", help="kill `ddgfab make`")
     given = parser.parse_args()
+    outcomes, kill = Counter[str](), Command() if given.command else kill_small_jobs
     with TemporaryDirectory() as folder:
-        outcomes = attack(given.count, Path(folder), command=given.command)
-    print(f"{given.count} kills: {dict(outcomes)}")
+        for begin in range(0, given.count, 10):
+            count = min(10, given.count - begin)
+            outcomes += attack(count, Path(folder), kill=kill, seed=given.seed + begin)
+            print(f"{begin + count} jobs: {dict(outcomes)}", flush=True)
     return 1 if any(kind.startswith("FAILED") for kind in outcomes) else 0
 
 

@@ -8,12 +8,28 @@ import sys
 from pathlib import Path
 
 import pytest
-from roofs import barrel
+from roofs import hexagons
 
 from ddgfab.io import write_obj
 
 HERE = Path(__file__).resolve().parents[2]
 RUN = "run.json"
+BALL = """
+[net]
+kind = "koebe"
+shape = "goldberg"
+cells = 1
+radius_mm = 1800
+[support]
+kind = "edge"
+[beam]
+profile = "SHS 50x4"
+[node]
+kind = "tube"
+"""
+"""A small ball of pentagons: few part numbers of many pieces, hollow bars."""
+
+CANOPY = ["canopy", "--set", "net.panels_along=12", "--set", "net.panels_across=2"]
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -25,7 +41,8 @@ def files(folder: Path) -> dict[str, bytes]:
 def run(place: Path, seed: int, jobs: int, words: list[str], output: str) -> dict[str, bytes]:
     """A job in a fresh interpreter, in a folder of its own."""
     place.mkdir()
-    write_obj(place / "roof.obj", barrel(2, 2))
+    write_obj(place / "hexagons.obj", hexagons())
+    (place / "ball.toml").write_text(BALL)
     done = subprocess.run(
         [sys.executable, "-m", "fabrication", *words, "-q", "-o", output, "--jobs", str(jobs)],
         cwd=place,
@@ -46,8 +63,13 @@ def run(place: Path, seed: int, jobs: int, words: list[str], output: str) -> dic
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
-    [["make", "roof.obj", "--verify", "none"], ["linkage", "--set", "checks.verify=none"]],
-    ids=["gridshell", "kit"],
+    [
+        ["make", *CANOPY, "--verify", "none"],
+        ["make", "ball.toml", "--verify", "none"],
+        ["make", "hexagons.obj", "--verify", "none"],
+        ["linkage", "--set", "checks.verify=none"],
+    ],
+    ids=["canopy", "ball", "hexagons", "bennett"],
 )
 def test_every_byte_is_equal(words: list[str], tmp_path: Path) -> None:
     one = run(tmp_path / "first", 1, 1, words, "out")
