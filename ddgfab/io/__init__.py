@@ -23,7 +23,14 @@ from ddgfab.io.ply import parse_ply, write_ply
 from ddgfab.io.raw import RawMesh
 from ddgfab.io.repairs import repair
 from ddgfab.io.stl import parse_stl
-from ddgfab.io.units import FACTORS, SHORTEST_MEDIAN_MM, Unit, to_millimetres, unlikely_size
+from ddgfab.io.units import (
+    FACTORS,
+    SHORTEST_MEDIAN_MM,
+    Unit,
+    likely_setting,
+    to_millimetres,
+    unlikely_size,
+)
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.tolerances import COORDINATE_LIMIT
 
@@ -39,6 +46,7 @@ __all__ = [
     "atomic_path",
     "atomic_write",
     "check_target",
+    "likely_setting",
     "read_mesh",
     "to_millimetres",
     "unlikely_size",

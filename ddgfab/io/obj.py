@@ -51,6 +51,7 @@ class _Content:
     wire_lines: list[int] = field(default_factory=list)
     ignored: Counter[str] = field(default_factory=Counter)
     first: dict[str, int] = field(default_factory=dict)
+    taken: list[str] = field(default_factory=list)
 
     def ignore(self, what: str, line: int) -> None:
         """Count what is passed over, and keep where it stands first."""
@@ -60,9 +61,10 @@ class _Content:
         self.first.setdefault(what, line)
 
     def notes(self) -> list[str]:
-        """A sentence for each kind of thing that was passed over."""
-        return [f"ignored {n} {what} (first in line {self.first[what]})" for what, n in
-                self.ignored.items()]  # fmt: skip
+        """A sentence for each kind of thing that was passed over, or taken for another."""
+        over = self.ignored.items()
+        skipped = [f"ignored {n} {what} (first in line {self.first[what]})" for what, n in over]
+        return skipped + self.taken
 
 
 def parse_obj(data: bytes, file: str) -> RawMesh:
@@ -160,7 +162,10 @@ def _faces_from_wires(read: _Content, file: str) -> None:
     for face, line in zip(faces, lines, strict=True):
         rows.face(face, line)
     count = read.ignored.pop("polylines 'l'")
-    read.ignore(f"faces made of {count} polylines 'l': the file has no faces of its own", lines[0])
+    read.taken.append(
+        f"the file has no faces of its own: {len(faces)} faces were made of its {count} polylines "
+        f"'l' (first in line {lines[0]})"
+    )
 
 
 def _lines(text: str, file: str) -> Iterator[tuple[int, str]]:

@@ -30,9 +30,9 @@ HEAD_ROWS = 5
 def parse_off(data: bytes, file: str) -> RawMesh:
     """Vertices and polygons of an OFF, COFF, NOFF or STOFF file; colors are skipped.
 
-    Counts may stand behind the header, even without a space between (found in ModelNet), or in the
-    next line, with or without that of the edges. Line breaks mean nothing where the records are
-    not a line each: then the numbers are read one after the other.
+    The word OFF may be missing. Counts may stand behind the header, even without a space between
+    (found in ModelNet), or in the next line, with or without that of the edges. Line breaks mean
+    nothing where the records are not a line each: then the numbers are read one after the other.
     Files that count vertices from 1 are against the format but found: when the ids run from 1 to
     the number of vertices and 0 never occurs, they are read so, with a note. Normals of a NOFF
     file count only where a comment says that they are node axes.
@@ -239,6 +239,8 @@ def _head(rows: list[Row], file: str) -> tuple[tuple[int, int], int, int, list[R
     if not rows:
         raise MeshError("holds nothing but comments", file=file)
     line, parts = rows[0]
+    if parts[0].isdecimal() and len(parts) > 1 and parts[1].isdecimal():
+        parts = ["OFF", *parts]  # Geomview takes files without the word too
     found = _HEADER.match("OFF" if parts[0] == "off" else parts[0])
     if not found:
         raise MeshError(

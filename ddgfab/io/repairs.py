@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
@@ -68,7 +70,8 @@ def repair(raw: RawMesh, merge: float | None = None) -> tuple[Mesh, RawMesh, lis
         )
     notes += _describe(mesh)
     if merge is None and mesh.components.max() > 0:
-        notes += filter(None, [_unwelded(raw, welded.distance).strip()])
+        few = _unwelded(raw, welded.distance).strip()
+        notes += [few] if few else _narrow_gaps(mesh)
     return mesh, raw, notes
 
 
@@ -96,6 +99,33 @@ def _unwelded(raw: RawMesh, distance: float) -> str:
         f"\nits numbers have few digits: vertices such as {a} and {b}, {gap:.3g} apart, may be "
         f"one; weld what is nearer than {digits:.3g} ({SETTINGS})"
     )
+
+
+NARROW: Final = 5e-3
+"""Components that come nearer than this part of the median edge may be meant as one."""
+
+NARROW_SIDE: Final = 0.1
+"""The same as part of the shortest edge: welding must leave every face its corners."""
+
+
+def _narrow_gaps(mesh: Mesh) -> list[str]:
+    """What may be wrong where components have corners almost at one place."""
+    sides = mesh.edge_lengths
+    reach = min(NARROW * float(np.median(sides)), NARROW_SIDE * float(sides.min()))
+    rim = np.flatnonzero(mesh.boundary_vertex & (mesh.valences > 0))
+    component = np.zeros(mesh.n_vertices, dtype=np.int64)
+    component[mesh.corners] = mesh.components[mesh.corner_face]
+    pairs = rim[near_pairs(mesh.vertices[rim], reach)]
+    pairs = pairs[component[pairs[:, 0]] != component[pairs[:, 1]]]
+    if len(pairs) < 2:  # an edge, not a corner
+        return []
+    gaps = np.linalg.norm(mesh.vertices[pairs[:, 0]] - mesh.vertices[pairs[:, 1]], axis=1)
+    a, b = np.sort(pairs[gaps.argmax()]).tolist()
+    asked = float(f"{1.1 * gaps.max():.2g}")
+    return [
+        f"components come near each other at {len(pairs)} pairs of vertices, as {a} and {b}, "
+        f"{gaps.max():.2g} apart: if they are one, weld what is nearer than {asked:g} ({SETTINGS})"
+    ]
 
 
 def _weld_notes(raw: RawMesh, welded: Welded) -> list[str]:

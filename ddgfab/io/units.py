@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Final, Literal, get_args
 
@@ -47,7 +48,34 @@ def unlikely_size(median_mm: float) -> str:
     end = f"under {SHORTEST_MEDIAN_MM:g} mm"
     if median_mm > LONGEST_MEDIAN_MM:
         end = f"over {LONGEST_MEDIAN_MM / 1000:g} m"
-    return f"the median edge is {median_mm:.3g} mm long; no gridshell has edges {end}"
+    length = f"{median_mm:.3g} mm" if median_mm < 1e5 else f"{median_mm / 1000:.6g} m"
+    return f"the median edge is {length} long; no gridshell has edges {end}"
+
+
+USUAL_MM: Final = 1500.0
+"""Edge of a usual gridshell [mm]."""
+
+
+@checked
+def likely_setting(
+    median_mm: float, factor: float, scale: float = 1.0, stated: str | None = None
+) -> tuple[str, str | float]:
+    """The setting, "units" or "scale", that makes an unlikely size a likely one, and its value.
+
+    Parameters
+    ----------
+    median_mm : median edge [mm], by the settings as they are
+    factor : millimetres for one unit of the file, by these settings
+    scale : the scale in it
+    stated : unit that the file states, which no setting may contradict
+    """
+    own = median_mm / factor * scale
+    if stated is None:
+        for unit in ("m", "mm", "cm"):
+            if not unlikely_size(own * FACTORS[unit]):
+                return "units", unit
+    power = round(math.log10(USUAL_MM / median_mm))
+    return "scale", float(f"{scale * 10.0**power:.6g}")
 
 
 @checked

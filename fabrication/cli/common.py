@@ -104,6 +104,13 @@ class Reading:
             quads=self.quads,
         )
 
+    def likely(self, read: ReadResult, median_mm: float) -> tuple[str, str | float]:
+        """The option that makes an unlikely size of a mesh a likely one, and its value."""
+        from ddgfab.io import likely_setting, to_millimetres
+
+        factor = to_millimetres(self.units, self.scale, read.units, read.file)
+        return likely_setting(median_mm, factor, self.scale, read.units)
+
     def sections(self) -> dict[str, dict[str, Any]]:
         """The options that are not as they are by default, as settings of a project."""
         found: dict[str, dict[str, Any]] = {}

@@ -62,7 +62,9 @@ def inspect_command(
             given = SupportStructure.of(read.mesh, read.axes, "given")
         notes = list(read.notes)
         if unlikely := unlikely_size(report.edge_length[1]):
-            notes.append(f"{unlikely}: is the file in another unit? (--units m, --scale 0.001)")
+            key, value = reading.likely(read, report.edge_length[1])
+            shown = value if isinstance(value, str) else f"{value:g}"
+            notes.append(f"{unlikely}: is the file in another unit? (--{key} {shown})")
         if as_json:
             record = {
                 "file": read.file,

@@ -12,7 +12,7 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.forms.generators import GENERATORS
 from ddgfab.forms.registry import find_generator, generate
-from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, unlikely_size
+from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, likely_setting, unlikely_size
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.support import SupportKind
 from ddgfab.surfaces.spline import SplineSurface
@@ -20,6 +20,7 @@ from fabrication.gridshell.net_settings import MESH, SURFACE
 from fabrication.gridshell.project import Project
 from fabrication.gridshell.traced import traced_net
 from fabrication.meshes_in import read_mesh
+from fabrication.project.toml import toml_text
 
 LONGEST_EDGE_MM: Final = 1e6
 """A median edge above this [mm] means that a mesh is in another unit, as a very short one does."""
@@ -82,8 +83,8 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     if not SHORTEST_MEDIAN_MM <= median * factor <= LONGEST_EDGE_MM:
         raise InputError(
             f"{unlikely_size(median * factor)}\n"
-            f"Set [project] {_size(factor, median * factor)}, scale = ..., or median_edge_mm = "
-            "1500 (on the command line: --set project.KEY=VALUE).",
+            f"Set [project] {_size(project, median * factor, factor, stated)}median_edge_mm = 1500 "
+            "(on the command line: --set project.KEY=VALUE).",
             file=file,
         )
     if named is not None:
@@ -94,11 +95,14 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
     return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes, read.axes)
 
 
-def _size(factor: float, median_mm: float) -> str:
-    """The setting that probably is meant where edges are too short or too long."""
-    if median_mm < SHORTEST_MEDIAN_MM:
-        return 'units = "m"'
-    return 'units = "mm"' if factor > 1.0 else "scale = 0.001"
+def _size(project: Project, median_mm: float, factor: float, stated: str | None) -> str:
+    """The setting that probably is meant where edges are too short or too long, and "or"."""
+    settings = project.project
+    if settings.median_edge_mm is not None:
+        return ""
+    fixed = "mm" if project.net.kind in GENERATORS else stated
+    key, value = likely_setting(median_mm, factor, settings.scale, fixed)
+    return f"{key} = {toml_text(value)}, or "
 
 
 def _traced(project: Project) -> NetInput:

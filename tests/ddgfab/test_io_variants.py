@@ -14,7 +14,15 @@ import pytest
 
 from ddgfab.errors import MeshError
 from ddgfab.grid import grid_mesh
-from ddgfab.io import STATED, ReadResult, read_mesh, unlikely_size, write_mesh
+from ddgfab.io import (
+    STATED,
+    ReadResult,
+    likely_setting,
+    read_mesh,
+    to_millimetres,
+    unlikely_size,
+    write_mesh,
+)
 from ddgfab.mesh import Floats, Mesh
 
 GRID = (4, 3)
@@ -89,8 +97,29 @@ def test_what_few_digits_leave_apart_is_told(digits: int, tmp_path: Path) -> Non
     assert is_roof(read_mesh(tmp_path / "a.obj", merge=asked).mesh, 1.0, 4 * 10.0 ** (1 - digits))
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_components_that_almost_meet_are_told(seed: int, tmp_path: Path) -> None:
+    """Corners modelled up to a millimetre apart: what is told to weld gives one mesh."""
+    mesh, noise = roof(), np.random.default_rng(seed)
+    corners = mesh.vertices[mesh.corners]
+    side = float(np.median(mesh.edge_lengths))
+    faces = np.arange(len(corners)).reshape(-1, 4).tolist()
+    points = corners + 2e-4 * side * noise.normal(size=corners.shape)
+    found = read(tmp_path / "a.obj", obj(points, faces, "{:.9f}"))
+    (said,) = (note for note in found.notes if "come near each other" in note)
+    asked = float(said.partition("nearer than ")[2].split()[0])
+    assert is_roof(read_mesh(tmp_path / "a.obj", merge=asked).mesh, 1.0, 2e-3 * side)
+    # Faces that are apart by a joint as wide as a pane's are no such components.
+    apart = corners + 0.02 * (mesh.vertices[mesh.corners] - np.repeat(
+        mesh.face_centres, mesh.face_sizes, axis=0))  # fmt: skip
+    found = read(tmp_path / "b.obj", obj(apart - 0.04 * corners, faces, "{:.9f}"))
+    assert not any("come near" in note for note in found.notes)
+
+
 BREAKS: dict[str, Callable[[str, list[str], list[str]], str]] = {
     "as written": lambda c, p, f: "OFF\n" + "\n".join([c, *p, *f]),
+    "no word OFF": lambda c, p, f: "\n".join([c, *p, *f]),
+    "no word OFF, one line": lambda c, p, f: " ".join([c, *p, *f]),
     "counts behind OFF": lambda c, p, f: f"OFF {c}\n" + "\n".join(p + f),
     "no space behind OFF": lambda c, p, f: f"OFF{c}\n" + "\n".join(p + f),
     "one line": lambda c, p, f: " ".join(["OFF", c, *p, *f]),
@@ -394,6 +423,24 @@ def test_faces_twice(start: int, reverse: bool, parts: str, tmp_path: Path) -> N
 )
 def test_sizes_that_no_gridshell_has(median: float, unlikely: bool) -> None:
     assert bool(unlikely_size(median)) == unlikely
+
+
+@pytest.mark.parametrize("edge", [1e-6, 1.5, 15.0, 900.0, 3e5, 1.5e9])
+@pytest.mark.parametrize("unit", ["mm", "m", "ft"])
+@pytest.mark.parametrize("scale", [1.0, 0.01])
+@pytest.mark.parametrize("stated", [False, True])
+def test_the_setting_that_is_advised_gives_a_likely_size(
+    edge: float, unit: str, scale: float, stated: bool
+) -> None:
+    said = unit if stated else None
+    factor = to_millimetres(unit, scale, said, None)
+    if not unlikely_size(edge * factor):
+        return
+    key, value = likely_setting(edge * factor, factor, scale, said)
+    changed = {"units": unit, "scale": scale, key: value}
+    again = to_millimetres(str(changed["units"]), float(changed["scale"]), said, None)
+    assert not unlikely_size(edge * again)
+    assert key == "scale" or not stated
 
 
 @pytest.mark.parametrize("unit", ["mm", "cm", "m", "in", "ft"])
