@@ -29,6 +29,9 @@ DECIMALS: Final[tuple[tuple[str, int], ...]] = (
     ("axis_x", 9),
     ("axis_y", 9),
     ("axis_z", 9),
+    ("quantity", 3),
+    ("rate", 4),
+    ("cost", 2),
 )
 """Decimals by the end of a column's name, that is by its unit."""
 

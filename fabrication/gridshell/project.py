@@ -31,7 +31,7 @@ from fabrication.project.sections import (
     Section,
     Verify,
 )
-from fabrication.project.shop import StockSettings
+from fabrication.project.shop import RateSettings, StockSettings
 from fabrication.specs import Profile
 from fabrication.standards import density, polygon, profile, stock_size
 from fabrication.standards.fasteners import BoltSize
@@ -304,6 +304,7 @@ class Project(Section):
     connection: ConnectionSettings = ConnectionSettings()
     panel: PanelSettings = PanelSettings()
     stock: StockSettings = StockSettings()
+    rates: RateSettings = RateSettings()
     checks: CheckSettings = CheckSettings()
     output: OutputSettings = Field(default_factory=OutputSettings)
     file: Path | None = Field(default=None, exclude=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ddgfab.io.pairs import paired_in_order
 from fabrication.gridshell.design import Design
-from fabrication.gridshell.net_settings import MESH
+from fabrication.gridshell.net_settings import MESH, OPTIMIZE_OPTIONS
 from fabrication.gridshell.pieces import Panel
 from fabrication.gridshell.room import settings_with_room
 from fabrication.job.problems import Problem
@@ -27,9 +27,10 @@ def remedies(design: Design, problems: Sequence[Problem]) -> list[tuple[str, str
 
     A net that is not planar, or whose node axes lean, is optimized: torsion-free where the axes are
     at fault, as no change of the faces alone rights them. Where that was done already, or is not
-    possible, and for all other limits, the limit that the net keeps is named. Triangles that are
-    quads cut in two become quads again: axes of triangle meshes twist. Where normals twist and the
-    faces are planar, what is named leaves the pieces clear of each other (`settings_with_room`).
+    possible, and for all other limits, the limit that the net keeps is named. Quads whose panes are
+    too large are divided, once. Triangles that are quads cut in two become quads again: axes of
+    triangle meshes twist. Where normals twist and the faces are planar, what is named leaves the
+    pieces clear of each other (`settings_with_room`).
     """
     worst = {problem.check: problem.parts[0][1] for problem in problems}
     goal = design.project.optimize.goal
@@ -53,10 +54,22 @@ def remedies(design: Design, problems: Sequence[Problem]) -> list[tuple[str, str
         found += _limits(worst)
     if "least_angle_deg" in worst:
         found.append(("checks", "min_angle_deg", _number(worst["least_angle_deg"], math.floor)))
-    if panes:
+    if panes and quads and straight and _divides(design, found):
+        if goal == "none" and not any(key == "goal" for _, key, _ in found):
+            found.append(("optimize", "goal", "planar"))
+        found.append(("optimize", "max_pane_mm", sorted(design.project.panel.max_size_mm)))
+    elif panes:
         wide, long = (math.ceil(max(sides) / 10.0) * 10 for sides in zip(*panes, strict=True))
         found.append(("panel", "max_size_mm", [wide, long]))
     return found
+
+
+def _divides(design: Design, found: Sequence[tuple[str, str, Any]]) -> bool:
+    """Whether quads can be divided until their panes fit, and have not been yet."""
+    optimize = design.project.optimize
+    goal = next((str(value) for _, key, value in found if key == "goal"), optimize.goal)
+    possible = goal in ("none", *OPTIMIZE_OPTIONS["max_pane_mm"])
+    return possible and optimize.max_pane_mm is None
 
 
 def _limits(worst: dict[str, float | str | None]) -> list[tuple[str, str, Any]]:

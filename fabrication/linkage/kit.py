@@ -16,6 +16,7 @@ from ddgfab.errors import InputError
 from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Floats
 from fabrication.linkage.links import Linkage
+from fabrication.linkage.lists import kit_lists
 from fabrication.linkage.plates import Plate, Printed
 from fabrication.linkage.printing import PRINTED_CHORD_MM, laid_out
 from fabrication.linkage.project import KitProject, kit_kinds, load_kit_project, make_kit_project
@@ -90,7 +91,7 @@ class Kit:
 
     @cached_property
     def schedules(self) -> dict[str, Table]:
-        """The schedules "bom", "links", "hinges" and "assembly"; masses of solid parts.
+        """The schedules "bom", "links", "hinges", "assembly", ...; masses of solid parts.
 
         Their status is that of the limits; solids and clearances are checked by the job.
         """
@@ -99,8 +100,15 @@ class Kit:
         masses = {
             f.number: mass_kg(volume_of(f.shape), self.density(f.role)) for f in self.families
         }
-        beyond, tables = rejected(self.linkage.pieces), kit_schedules(self.linkage, masses)
+        beyond, tables = rejected(self.linkage.pieces), self.tables(masses)
         return {name: table.with_status(beyond, marks_of) for name, table in tables.items()}
+
+    def tables(self, masses: Mapping[str, float]) -> dict[str, Table]:
+        """All schedules without a status; masses [kg] by part number."""
+        return {
+            **kit_schedules(self.linkage, masses),
+            **kit_lists(self.linkage, masses, self.project),
+        }
 
     def density(self, role: Role) -> float:
         """Density [kg/m3] of what parts of a role are made of."""

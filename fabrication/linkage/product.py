@@ -18,11 +18,12 @@ from fabrication.job.product import Product
 from fabrication.job.whole import PREVIEW
 from fabrication.linkage.animation import Gif
 from fabrication.linkage.kit import Kit
+from fabrication.linkage.legends import CONVENTIONS
 from fabrication.linkage.page import REPORT, Html, MovingScene
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.linkage.scene import lying_broad, moving_scene, report_page
-from fabrication.linkage.schedules import kit_schedules, marks_of
+from fabrication.linkage.schedules import marks_of
 from fabrication.motion.free_range import poses_to_confirm
 from fabrication.parts.pin import PIN
 from fabrication.specs import Check, Family, Role, TriangleMesh
@@ -34,6 +35,7 @@ class KitProduct(Product):
 
     chord = PRINTED_CHORD_MM
     libraries = ("rectpack",)
+    conventions = CONVENTIONS
     shown_first = (REPORT, plate_file(1), ASSEMBLY, PREVIEW, f"{SCHEDULES}/bom.csv", WORKBOOK)
 
     def __init__(self, kit: Kit) -> None:
@@ -52,8 +54,8 @@ class KitProduct(Product):
         return Material(name, self.kit.density(role))
 
     def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
-        """See `fabrication.linkage.schedules`."""
-        return kit_schedules(self.kit.linkage, masses)
+        """See `fabrication.linkage.schedules` and `fabrication.linkage.lists`."""
+        return self.kit.tables(masses)
 
     def marks_of(self, row: Mapping[str, Any]) -> list[str]:
         """All of a part number, a link, a part or a pin."""

@@ -30,6 +30,7 @@ from fabrication.project.sections import (
     TitleSettings,
     Verify,
 )
+from fabrication.project.shop import RateSettings, StockSettings
 from fabrication.project.toml import toml_text
 from fabrication.standards.printers import printer, printer_keys
 
@@ -116,6 +117,13 @@ class PartsSettings(Section):
         return {name.removesuffix("_mm"): value for name, value in values.items()}
 
 
+class RodSettings(StockSettings):
+    """[stock]: the rods that metal pins are cut from, for the cut list."""
+
+    kerf_mm: NotNegative = 1.0
+    trim_mm: NotNegative = 2.0
+
+
 class MotionSettings(Section):
     """[motion].
 
@@ -159,6 +167,8 @@ class KitProject(Section):
     printer: PrinterSettings = PrinterSettings()
     parts: PartsSettings = PartsSettings()
     motion: MotionSettings = MotionSettings()
+    stock: RodSettings = RodSettings()
+    rates: RateSettings = RateSettings()
     checks: CheckSettings = CheckSettings()
     output: KitOutput = Field(default_factory=KitOutput)
     file: Path | None = Field(default=None, exclude=True)

@@ -39,14 +39,6 @@ LINK_COLORS: Final = (
 )
 """sRGB colors of the links, by part number; they repeat."""
 
-HEADINGS: Final = {
-    "bom": "Bill of materials",
-    "links": "Links",
-    "hinges": "Hinges",
-    "assembly": "Assembly, in this order",
-}
-"""Headings of the schedules in the report."""
-
 
 def moving_scene(kit: Kit) -> MovingScene:
     """The kit through its free range, turned so that it lies broad and does not swing about.
@@ -154,5 +146,5 @@ def report_page(kit: Kit, tables: Mapping[str, Table], problems: Sequence[str]) 
         facts=kit.motion_facts(),
         notes=kit.notes,
         problems=[f"FAILED {problem}" for problem in problems],
-        tables={HEADINGS[name]: table for name, table in tables.items()},
+        tables={table.legend.title or name: table for name, table in tables.items()},
     )

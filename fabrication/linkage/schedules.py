@@ -15,6 +15,7 @@ import numpy as np
 from ddgfab.linkages.mechanism import Mechanism
 from ddgfab.mesh import Floats
 from fabrication.linkage.facing import Facing, facings
+from fabrication.linkage.legends import ASSEMBLY, BOM, HINGES, LINKS
 from fabrication.linkage.links import Linkage
 from fabrication.linkage.settings import LinkageSettings
 from fabrication.parts.link import LINK
@@ -46,10 +47,10 @@ FULL: Final = 1e-9
 def kit_schedules(linkage: Linkage, masses: Masses) -> dict[str, Table]:
     """Tables "bom", "links", "hinges" and "assembly"; masses [kg] by part number."""
     return {
-        "bom": Table(bom_rows(linkage, masses), name="bom"),
-        "links": Table(link_rows(linkage), name="links"),
-        "hinges": Table(hinge_rows(linkage), name="hinges"),
-        "assembly": Table(assembly_rows(linkage), name="assembly"),
+        "bom": Table(bom_rows(linkage, masses), "bom", BOM),
+        "links": Table(link_rows(linkage), "links", LINKS),
+        "hinges": Table(hinge_rows(linkage), "hinges", HINGES),
+        "assembly": Table(assembly_rows(linkage), "assembly", ASSEMBLY),
     }
 
 
@@ -82,6 +83,7 @@ def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
                 **dict.fromkeys(DIMENSIONS),
                 **family.shape.dimensions(),
                 "mass_g": 1000.0 * masses[family.number],
+                "total_g": 1000.0 * masses[family.number] * len(marks),
                 "between": " ".join(places[mark] for mark in marks if mark in places),
                 "marks": " ".join(marks),
                 "length_exact_mm": exact(link.shape.length) if link else None,

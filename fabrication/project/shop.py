@@ -1,13 +1,18 @@
-"""Sections that lists for shops are made with: the stock that bars are cut from."""
+"""Sections that lists for shops are made with: stock that bars are cut from, and rates of costs."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, field_validator
 
 from fabrication.cutting import Stock
+from fabrication.formats.tables import Legend
 from fabrication.project.sections import NotNegative, Positive, Section
+from fabrication.table import Table
+
+Lengths = Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=20)]
 
 
 class StockSettings(Section):
@@ -15,23 +20,88 @@ class StockSettings(Section):
 
     Attributes
     ----------
-    length_mm : of the bars that can be had
+    length_mm : of the bars that can be had; "auto": the usual lengths of the profile up to 12 m
+        (standards/profiles.toml), of rods for pins 1 m
     kerf_mm : what a cut takes
     trim_mm : cut off each end of a bar before pieces are
     """
 
-    length_mm: Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=20)] = (
-        6000.0,
-        12000.0,
-    )
+    length_mm: Literal["auto"] | Lengths = "auto"
     kerf_mm: NotNegative = 3.0
     trim_mm: NotNegative = 10.0
 
     @field_validator("length_mm")
     @classmethod
-    def _ascending(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        return tuple(sorted(set(value)))
+    def _ascending(cls, value: Any) -> Any:
+        return value if value == "auto" else tuple(sorted(set(value)))
 
-    def stock(self) -> Stock:
-        """The stock itself."""
-        return Stock(self.length_mm, self.kerf_mm, self.trim_mm)
+    def stock(self, usual: Sequence[float]) -> Stock:
+        """The stock itself; `usual` lengths where none are set."""
+        lengths = tuple(usual) if self.length_mm == "auto" else self.length_mm
+        return Stock(tuple(map(float, lengths)), self.kerf_mm, self.trim_mm)
+
+
+class RateSettings(Section):
+    """[rates]: prices for an estimate of the costs, which is made of those that are set.
+
+    Attributes
+    ----------
+    currency : of the rates
+    kg : for a kilogram of what is made of bars or printed
+    m2 : for a square metre of panes
+    hole : for drilling a hole, or milling the opening behind one
+    cut : for sawing one end of a bar
+    node : for a node, beside its mass
+    """
+
+    currency: Annotated[str, Field(max_length=20)] = "EUR"
+    kg: NotNegative | None = None
+    m2: NotNegative | None = None
+    hole: NotNegative | None = None
+    cut: NotNegative | None = None
+    node: NotNegative | None = None
+
+    def table(self, quantities: Iterable[tuple[str, str, float]]) -> dict[str, Table]:
+        """The table "costs", by name, of what has a rate; none where no rate is set.
+
+        Parameters
+        ----------
+        quantities : (name of the rate, what it is for, how much)
+        """
+        rows = []
+        for name, item, quantity in quantities:
+            rate = getattr(self, name)
+            if rate is not None:
+                rows.append(
+                    {
+                        "item": item,
+                        "quantity": float(quantity),
+                        "unit": UNITS.get(name, "piece"),
+                        "rate": rate,
+                        "cost": quantity * rate,
+                        "currency": self.currency,
+                        "basis": ESTIMATE,
+                    }
+                )
+        return {"costs": Table(rows, "costs", COSTS)} if rows else {}
+
+
+UNITS: Final = {"kg": "kg", "m2": "m2"}
+"""Units of the rates; others are for a piece."""
+
+ESTIMATE: Final = "estimate: quantity x rate of the project, no offer"
+
+COSTS: Final = Legend(
+    title="Costs: an estimate",
+    about="what the rates of the project give: an estimate for comparison, not an offer",
+    meanings={
+        "item": "what is paid for, rejected pieces included",
+        "quantity": "how much of it",
+        "unit": "of the quantity",
+        "rate": "price of one unit, from [rates] of the project",
+        "cost": "quantity times rate",
+        "currency": "of rate and cost",
+        "basis": "what the number is worth",
+    },
+    totals=("cost",),
+)

@@ -26,6 +26,7 @@ from fabrication.table import Table
 VARIANTS: dict[str, dict[str, dict[str, object]]] = {
     "plain": {},
     "bolted": {"beam": {"profile": "FL 80x40"}, "connection": {"kind": "stud"}},
+    "priced": {"rates": {"kg": 4.0}},
     "glazed": {"panel": {"build_up": "8/16Ar/6.6.2", "edge": "mitred", "step_mm": 30.0}},
 }
 
@@ -191,6 +192,37 @@ def test_a_beam_longer_than_all_stock_is_listed_without_one() -> None:
     tables = schedules(shell)
     assert tables["bars"].column("stock_mm") == [None] * 4
     assert tables["stock"][0]["waste_percent"] == pytest.approx(0.0)
+
+
+def test_costs_are_rates_times_what_the_lists_have() -> None:
+    rates = {"kg": 4.0, "m2": 90.0, "cut": 2.5, "node": 60.0, "hole": 3.0}
+    shell = dome().detail(rates=rates, connection={"kind": "stud"}, beam={"profile": "FL 80x40"})
+    tables = schedules(shell)
+    costs = {row["item"]: row["cost"] for row in tables["costs"]}
+    steel = sum(tables["beams"].column("mass_kg")) + sum(tables["nodes"].column("mass_kg"))
+    assert costs["steel of beams"] + costs["steel of nodes"] == pytest.approx(4.0 * steel)
+    assert costs["panes"] == pytest.approx(90.0 * sum(tables["panels"].column("area_m2")))
+    assert costs["ends of beams"] == pytest.approx(2.5 * 2 * len(shell.beams))
+    assert costs["nodes"] == pytest.approx(60.0 * len(shell.nodes))
+    assert costs["holes for bolts, in nodes and beams"] == pytest.approx(3.0 * 4 * len(shell.beams))
+    assert "costs" not in schedules(dome().detail())
+    only = schedules(dome().detail(rates={"cut": 0.0}))["costs"]
+    assert only.column("item") == ["ends of beams"]
+
+
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ({"rates": {"kg": -1}}, "greater than or equal to 0"),
+        ({"rates": {"currency": "x" * 21}}, "currency"),
+        ({"stock": {"length_mm": []}}, "length_mm"),
+        ({"stock": {"length_mm": "long"}}, '"auto"'),
+        ({"stock": {"kerf_mm": -1}}, "kerf_mm"),
+    ],
+)
+def test_wrong_stock_and_rates_are_named(section: dict[str, object], message: str) -> None:
+    with pytest.raises(ProjectError, match=message):
+        make_project(section)
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,18 @@ def test_what_helps_is_by_the_fault(small_design: Design) -> None:
 
 def test_a_design_with_what_helps_goes_on() -> None:
     check_limits(design(bent(), optimize={"goal": "planar"}).product())
-    small = design(barrel(), panel={"max_size_mm": [1000.0, 1200.0]})
+    wished = {"max_size_mm": [1200.0, 1000.0]}
+    helps = stopped(design(barrel(), panel=wished)).settings
+    assert helps == (("optimize", "goal", "planar"), ("optimize", "max_pane_mm", [1000.0, 1200.0]))
+    optimize = {key: value for _, key, value in helps}
+    divided = design(barrel(), panel=wished, optimize=optimize)
+    assert len(divided.gridshell.panels) > len(design(barrel()).gridshell.panels)
+    check_limits(divided.product())
+
+
+def test_panes_that_cannot_be_divided_name_the_limit_they_keep() -> None:
+    optimize = {"goal": "planar", "max_pane_mm": [3000.0, 3000.0]}  # divided already
+    small = design(barrel(), panel={"max_size_mm": [1000.0, 1200.0]}, optimize=optimize)
     ((section, key, value),) = stopped(small).settings
     assert (section, key) == ("panel", "max_size_mm")
     check_limits(design(barrel(), panel={"max_size_mm": list(map(float, value))}).product())

@@ -12,6 +12,7 @@ import pytest
 
 from ddgfab.linkages import Mechanism
 from fabrication.linkage.detail import detail_linkage
+from fabrication.linkage.kit import detail_kit
 from fabrication.linkage.links import Linkage
 from fabrication.linkage.project import make_kit_project
 from fabrication.linkage.schedules import bar_azimuths, hinge_order, kit_schedules
@@ -200,3 +201,46 @@ def test_labels_tell_how_links_go_on_their_pins(linkage: Linkage) -> None:
         assert row["label_side"] in ("up", "down")
     for row in tables["assembly"]:
         assert row["label_side"] == side.get(row["part"])
+
+
+def test_every_column_of_a_kit_has_a_meaning_and_every_meaning_a_column() -> None:
+    found: dict[str, list[Table]] = {}
+    for name, extra in (("bennett", {}), ("knet", {"parts": {"pin": "printed"}})):
+        rates = {"rates": {"kg": 30.0, "cut": 1.5}}
+        made = detail_kit(make_kit_project({"linkage": CASES[name], **extra, **rates}))
+        for title, table in made.schedules.items():
+            found.setdefault(title, []).append(table)
+    assert set(found) == {"bom", "links", "hinges", "assembly", "rods", "costs"}
+    for title, tables in found.items():
+        legend = tables[0].legend
+        columns = {column for table in tables for column in table.columns}
+        assert all(legend.meaning(column) for column in columns), title
+        assert columns - {"status"} == set(legend.meanings) - {"status"}, title
+        assert legend.title
+        assert set(legend.totals) <= columns
+
+
+def test_rods_hold_every_metal_pin_and_costs_are_rates_times_quantities() -> None:
+    project = make_kit_project(
+        {
+            "linkage": CASES["cube"],
+            "stock": {"length_mm": [60.0, 120.0]},
+            "rates": {"kg": 30.0, "cut": 1.5, "currency": "CHF"},
+        }
+    )
+    made = detail_kit(project)
+    pins = {row["pin"]: row["length_mm"] for row in made.schedules["hinges"]}
+    rods = made.schedules["rods"]
+    assert sorted(" ".join(rods.column("marks")).split()) == sorted(pins)
+    for row in rods:
+        own = row["marks"].split()
+        used = sum(pins[mark] for mark in own)
+        assert row["used_mm"] == pytest.approx(used)
+        assert used + 1.0 * (len(own) - 1) + 2 * 2.0 <= row["stock_mm"] + 1e-6
+    costs = {row["item"]: row for row in made.schedules["costs"]}
+    assert costs["ends of metal pins"]["cost"] == pytest.approx(1.5 * 2 * len(pins))
+    grams = sum(row["total_g"] for row in made.schedules["bom"] if row["role"] != "pin")
+    (plastic,) = [row for item, row in costs.items() if item.startswith("printed parts")]
+    assert plastic["cost"] == pytest.approx(30.0 * grams / 1000.0)
+    assert {row["currency"] for row in costs.values()} == {"CHF"}
+    assert "estimate" in made.schedules["costs"].legend.title

@@ -10,7 +10,8 @@ A row names the columns of the usual shapes in their order, without values; the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from fabrication.families import families as make_families
@@ -20,7 +21,7 @@ from fabrication.gridshell.schedules import beams, bolts, bom, cutting, joints, 
 from fabrication.gridshell.schedules.beams import beam_rows
 from fabrication.gridshell.schedules.bom import bom_rows, size_rows
 from fabrication.gridshell.schedules.common import Masses, family_masses
-from fabrication.gridshell.schedules.cutting import cut_rows
+from fabrication.gridshell.schedules.cutting import cut_rows, usual_lengths
 from fabrication.gridshell.schedules.joints import joint_rows
 from fabrication.gridshell.schedules.nodes import node_rows
 from fabrication.gridshell.schedules.panels import panel_rows
@@ -76,9 +77,8 @@ def schedules(
     """The tables of a gridshell by name.
 
     "bom", "panels", "beams" and "nodes", and where there are such: "sizes" of panes, "joints"
-    between them, "bars" (the cut list) and "stock", "bolts" and "fasteners". Families are found,
-    and masses computed from
-    the shapes, where they are not given.
+    between them, "bars" (the cut list) and "stock", "bolts", "fasteners" and "costs". Families are
+    found, and masses computed from the shapes, where they are not given.
     """
     project = gridshell.project
     if families is None:
@@ -89,7 +89,7 @@ def schedules(
     def material(role: Role) -> str:
         return "glass" if role == PANEL.role else "steel"
 
-    bars, stock = cut_rows(families, project.stock.stock())
+    bars, stock = cut_rows(families, project.stock.stock(usual_lengths(project.beam.section())))
     found = {
         "bom": (bom_rows(families, masses, material), bom.BOM),
         "panels": (panel_rows(gridshell, families, masses), panels.LEGEND),
@@ -103,8 +103,24 @@ def schedules(
     for name, table in bolt_tables(gridshell, families).items():
         found[name] = (table.rows, bolts.LEGENDS[name])
     always = ("bom", "panels", "beams", "nodes")
-    return {
+    tables = {
         name: Table(rows, name, legend)
         for name, (rows, legend) in found.items()
         if rows or name in always
     }
+    return {**tables, **project.rates.table(quantities(gridshell, tables))}
+
+
+def quantities(
+    gridshell: Gridshell, tables: Mapping[str, Table]
+) -> Iterator[tuple[str, str, float]]:
+    """What [rates] are for: name of the rate, what it is, and how much of it there is."""
+    yield "kg", "steel of beams", math.fsum(tables["beams"].column("mass_kg"))
+    yield "kg", "steel of nodes", math.fsum(tables["nodes"].column("mass_kg"))
+    yield "m2", "panes", math.fsum(tables["panels"].column("area_m2"))
+    yield "cut", "ends of beams", 2.0 * len(tables["beams"])
+    holes = 2.0 * len(gridshell.bolts)  # one in the node, one in the end of the beam
+    if holes:
+        yield "hole", "holes for bolts, in nodes and beams", holes
+        yield "hole", "openings behind the holes of beams", holes / 2.0
+    yield "node", "nodes", float(len(tables["nodes"]))

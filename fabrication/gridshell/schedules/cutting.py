@@ -9,7 +9,8 @@ from fabrication.cutting import Bar, Stock, cut_from_stock
 from fabrication.formats.tables import Legend
 from fabrication.gridshell.schedules.common import Row, instances_of
 from fabrication.parts.beam import BEAM
-from fabrication.specs import Family
+from fabrication.specs import Family, Profile
+from fabrication.standards.profiles import stock_lengths
 
 BARS: Final = Legend(
     title="Cut list by stock",
@@ -46,6 +47,20 @@ STOCK: Final = Legend(
     },
     totals=("bars", "quantity", "used_mm", "bought_mm"),
 )
+
+
+TRANSPORT_MM: Final = 12_000.0
+"""Longer stock [mm] is not taken by itself: a lorry's bed is 13.6 m long (Directive 96/53/EC)."""
+
+OF_NO_STANDARD: Final = (6000.0, 12000.0)
+"""Lengths [mm] of stock for a profile of a free polygon."""
+
+
+def usual_lengths(section: Profile) -> tuple[float, ...]:
+    """Lengths [mm] in which a profile is usually delivered, up to `TRANSPORT_MM`."""
+    found = stock_lengths(section)
+    known = OF_NO_STANDARD if found is None else found[0]
+    return tuple(length for length in known if length <= TRANSPORT_MM)
 
 
 def cut_rows(families: Sequence[Family], stock: Stock) -> tuple[list[Row], list[Row]]:
