@@ -246,7 +246,7 @@ def _array_like(hint: Any) -> bool:
 
 
 def _wanted(hint: Any) -> str:
-    """An annotation in words."""
+    """An annotation as text."""
     origin, parts = typing.get_origin(hint), typing.get_args(hint)
     if origin in (typing.Union, types.UnionType):
         names = ["an array of numbers"] if set(parts) >= _ARRAY_PARTS else []

@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ddgfab.arguments import checked, is_numeric
 from ddgfab.errors import MeshError
-from ddgfab.mesh_tables import edge_tables, frozen, loops_of, star_tables
+from ddgfab.mesh_tables import edge_tables, frozen, loops_of, require_manifold, star_tables
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -99,34 +99,7 @@ class Mesh:
 
     def validate(self) -> None:
         """Raise `MeshError` where this is not an oriented manifold with finite coordinates."""
-        bad = np.flatnonzero(~np.isfinite(self.vertices).all(axis=1))
-        if len(bad):
-            raise MeshError(f"vertex {bad[0]} has a coordinate that is not finite")
-        out = np.flatnonzero((self.corners < 0) | (self.corners >= self.n_vertices))
-        if len(out):
-            raise MeshError(
-                f"face {self.corner_face[out[0]]} names vertex {self.corners[out[0]]}; "
-                f"the mesh has {self.n_vertices}"
-            )
-        ends = np.stack([self.corners, self.corners[self.corner_next]])
-        loop = np.flatnonzero(ends[0] == ends[1])
-        if len(loop):
-            raise MeshError(
-                f"face {self.corner_face[loop[0]]} repeats vertex {ends[0, loop[0]]} in a row"
-            )
-        key = ends[0] * self.n_vertices + ends[1]
-        order = np.argsort(key, kind="stable")
-        twice = np.flatnonzero(key[order][1:] == key[order][:-1])
-        if len(twice):
-            a, b = order[twice[0]], order[twice[0] + 1]
-            raise MeshError(
-                f"faces {self.corner_face[a]} and {self.corner_face[b]} run the same way along "
-                f"edge {ends[0, a]}-{ends[1, a]}: three faces at it, or opposite orientation"
-            )
-        if len(self.split_vertices):
-            raise MeshError(
-                f"vertex {self.split_vertices[0]} is not manifold: several sheets meet only there"
-            )
+        require_manifold(self)
 
     # --- sizes -------------------------------------------------------------------------------
     @property

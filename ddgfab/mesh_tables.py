@@ -1,4 +1,4 @@
-"""Tables of a polygon mesh from its corners: edges, stars of vertices, loops of the boundary."""
+"""A polygon mesh from its corners: manifold or not, edges, stars of vertices, boundary loops."""
 
 from __future__ import annotations
 
@@ -7,16 +7,22 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ddgfab.errors import MeshError
+
 Ints = NDArray[np.int64]
 _T = TypeVar("_T", bound=np.generic)
 
 
 class Corners(Protocol):
-    """What the stars are made of; see `ddgfab.mesh.Mesh`."""
+    """What tables and checks need of a mesh; see `ddgfab.mesh.Mesh`."""
 
     @property
     def n_vertices(self) -> int:
         """Number of vertices."""
+
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        """(V, 3) coordinates."""
 
     @property
     def corners(self) -> Ints:
@@ -25,6 +31,10 @@ class Corners(Protocol):
     @property
     def corner_face(self) -> Ints:
         """(C,) face of each corner."""
+
+    @property
+    def corner_next(self) -> Ints:
+        """(C,) the corner after each in its face."""
 
     @property
     def corner_previous(self) -> Ints:
@@ -38,11 +48,47 @@ class Corners(Protocol):
     def corner_twin(self) -> Ints:
         """(C,) the opposite corner across the edge, or -1."""
 
+    @property
+    def split_vertices(self) -> Ints:
+        """Vertices where several fans of faces meet."""
+
 
 def frozen(array: NDArray[_T]) -> NDArray[_T]:
     """The array, read only from now on."""
     array.setflags(write=False)
     return array
+
+
+def require_manifold(mesh: Corners) -> None:
+    """Raise `MeshError` where a mesh is not an oriented manifold with finite coordinates."""
+    bad = np.flatnonzero(~np.isfinite(mesh.vertices).all(axis=1))
+    if len(bad):
+        raise MeshError(f"vertex {bad[0]} has a coordinate that is not finite")
+    out = np.flatnonzero((mesh.corners < 0) | (mesh.corners >= mesh.n_vertices))
+    if len(out):
+        raise MeshError(
+            f"face {mesh.corner_face[out[0]]} names vertex {mesh.corners[out[0]]}; "
+            f"the mesh has {mesh.n_vertices}"
+        )
+    ends = np.stack([mesh.corners, mesh.corners[mesh.corner_next]])
+    loop = np.flatnonzero(ends[0] == ends[1])
+    if len(loop):
+        raise MeshError(
+            f"face {mesh.corner_face[loop[0]]} repeats vertex {ends[0, loop[0]]} in a row"
+        )
+    key = ends[0] * mesh.n_vertices + ends[1]
+    order = np.argsort(key, kind="stable")
+    twice = np.flatnonzero(key[order][1:] == key[order][:-1])
+    if len(twice):
+        a, b = order[twice[0]], order[twice[0] + 1]
+        raise MeshError(
+            f"faces {mesh.corner_face[a]} and {mesh.corner_face[b]} run the same way along "
+            f"edge {ends[0, a]}-{ends[1, a]}: three faces at it, or opposite orientation"
+        )
+    if len(mesh.split_vertices):
+        raise MeshError(
+            f"vertex {mesh.split_vertices[0]} is not manifold: several sheets meet only there"
+        )
 
 
 def edge_tables(

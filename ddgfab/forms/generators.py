@@ -60,7 +60,7 @@ class Parameter:
 
     @property
     def limits(self) -> str:
-        """The limits in words, empty when there are none."""
+        """The limits as text, empty when there are none."""
         if self.choices:
             return ", ".join(self.choices)
         if isfinite(self.low) and isfinite(self.high):

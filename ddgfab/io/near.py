@@ -28,7 +28,7 @@ def near_pairs(points: Floats, distance: float) -> Ints:
 
     A sweep along a direction in general position, then the true distance: few points are that
     near along it, so the work is almost linear; unlike a k-d tree it needs no further import.
-    Points that a sweep does not tell apart are sorted into cubes. Of many points in a place
+    Points that a sweep does not separate are sorted into cubes. Of many points in a place
     `_crowds` leaves few, so that a crowd costs no square of its size.
     """
     first, copy = _crowds(points, distance)

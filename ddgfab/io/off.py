@@ -118,7 +118,7 @@ def _check_lines(rows: Iterator[Row], counts: tuple[int, int], file: str) -> Non
 
 
 class _Tokens:
-    """The words of a file one after the other, with the lines they stand in."""
+    """The tokens of a file one after the other, with the lines they stand in."""
 
     def __init__(self, rows: Iterator[Row]) -> None:
         self._rows = rows
@@ -127,7 +127,7 @@ class _Tokens:
         self.line = 0
 
     def take(self, count: int) -> list[Word]:
-        """The next words, fewer where the file ends."""
+        """The next tokens, fewer where the file ends."""
         found: list[Word] = []
         while len(found) < count and self.more():
             part = self._row[self._at : self._at + count - len(found)]

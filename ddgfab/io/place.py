@@ -15,7 +15,7 @@ FAR: Final = 50.0
 """Coordinates further from the origin than so many sizes of the mesh get a local origin."""
 
 ROUGH: Final = 1e-4
-"""Far from the origin, a last digit above this part of the median edge is told."""
+"""Far from the origin, a last digit above this part of the median edge is reported."""
 
 LEANS: Final = 0.5
 """A mesh looks some way when its vector areas add up to more than this part of its area."""

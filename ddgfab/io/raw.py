@@ -41,7 +41,7 @@ class RawMesh:
     units : unit that the file states (a key of `units.FACTORS`), None where it states none
     axes : (V, 3) node axes that the file carries, zero where a point has none; None without
     axes_of : digest of the geometry that the file says they belong to (`header.geometry_digest`)
-    lost : what rounding took from its largest numbers; `step` where nothing tells that it was less
+    lost : what rounding took from its largest numbers; `step` where nothing shows that it was less
     """
 
     file: str

@@ -295,7 +295,7 @@ def _flipped(raw: RawMesh, mesh: Mesh, flip: NDArray[np.bool_]) -> Mesh:
 
 
 def _describe(mesh: Mesh) -> list[str]:
-    """What a reader of a log wants to know of a sound mesh: components, closed ones inside out."""
+    """Facts for a log about a sound mesh: components, closed ones inside out."""
     notes = []
     count = int(mesh.components.max()) + 1
     if count > 1:

@@ -44,7 +44,7 @@ def numbered(text: str) -> Iterator[tuple[int, str]]:
 
 
 def token_rows(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Number and words of each line that holds more than a comment (#)."""
+    """Number and tokens of each line that has more than a comment (#)."""
     for line, content in numbered(text):
         parts = content.partition("#")[0].split()
         if parts:

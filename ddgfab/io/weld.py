@@ -119,7 +119,7 @@ def _harmed(raw: RawMesh, same: Ints, tiny: float) -> NDArray[np.bool_]:
     order = np.lexsort((same[here[kept]], owner[kept]))
     ranked = kept[order]
     twice = (np.diff(same[here[ranked]]) == 0) & (np.diff(owner[ranked]) == 0)
-    twice &= here[ranked[1:]] != here[ranked[:-1]]  # the file itself repeats: told elsewhere
+    twice &= here[ranked[1:]] != here[ranked[:-1]]  # the file itself repeats: reported elsewhere
     harmed[ranked[1:][twice]] = True
     return np.asarray(harmed, dtype=np.bool_)
 

@@ -88,7 +88,7 @@ class Mechanism:
     limits : open interval of the driving angle
     design : driving angle of the design pose
     dead_points : driving angles at which isograms are folded, and which
-    path : how the other degrees of freedom are held
+    path : how the other degrees of freedom are fixed
     drive : how the hinges follow the driving angle
     """
 

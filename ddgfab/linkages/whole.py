@@ -115,7 +115,7 @@ def line_angles(knet: KNet, anchor: tuple[int, int]) -> tuple[tuple[Floats, Floa
 def _rates(
     path: Path, turns: tuple[Floats, Floats], corner: float
 ) -> tuple[tuple[Floats, Floats], float, str]:
-    """Rates of turns and corner by the driving angle, and their words."""
+    """Rates of turns and corner by the driving angle, and a description of them."""
     if path == "locked":
         held = (np.zeros(len(turns[0])), np.zeros(len(turns[1])))
         return held, 1.0, "the bars of either line through the anchor are locked to each other"

@@ -1,4 +1,4 @@
-"""Which kind of net a mesh is within tolerance, in words."""
+"""Which kind of net a mesh is within tolerance, as text."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class Report:
 
     Attributes
     ----------
-    kind : one line in words; kinds : all names that apply (see `kinds.kind_names`)
+    kind : one line of text; kinds : all names that apply (see `kinds.kind_names`)
     face_sizes : how many faces of each number of corners
     valences_inner, valences_boundary : how many vertices of each number of edges
     boundary_loops : number of edges of each boundary loop

@@ -1,4 +1,4 @@
-"""Limits beyond which a result is no longer the design, and what is said when they are exceeded."""
+"""Limits beyond which a result is no longer the design, and the messages when they are exceeded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Panes no larger than what is made: quads divided before, a wish during, a check after.
+"""Panes no larger than what is made: quads divided before, a soft term during, a check after.
 
 Quads are divided strip by strip (a strip is what opposite edges connect), so that no vertex comes
 to lie on an edge; what divides them lies on the curved surface that the vertex normals describe.
@@ -25,7 +25,7 @@ _QUAD: Final = 4
 _LIFT: Final = 0.75
 """How far new vertices are lifted towards the tangent planes at the corners."""
 _ROOM: Final = 0.92
-"""Part of a pane's lengths that its edges are wished to keep to: what is skew needs more room."""
+"""Part of a pane's lengths that its edges are to keep to: what is skew needs more room."""
 _MARGIN: Final = 0.9
 """Part of a pane's lengths that quads are divided to: optimizing makes some of them larger."""
 _MOST: Final = 64

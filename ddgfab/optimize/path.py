@@ -258,7 +258,7 @@ def settle(
 ) -> Path:
     """Come to rest at one penalty, and meet the equations from there by shortest steps.
 
-    For wishes that matter more than the way: `follow` stops where its equations are met.
+    For soft terms that matter more than the way: `follow` stops where its equations are met.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""What an optimisation is: unknowns in one vector, terms on them, unknowns that are held.
+"""What an optimisation is: unknowns in one vector, terms on them, unknowns that are fixed.
 
 All unknowns lie in one flat vector: first the 3V vertex coordinates (vertex after vertex), then
-the auxiliary blocks a problem adds (node axes, normals, heights). `Layout` tells where.
+the auxiliary blocks a problem adds (node axes, normals, heights). `Layout` has their places.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Term(Protocol):
     ----------
     name : for histories and errors
     weight : factor of the squared residuals in the objective; a hard term has none
-    hard : an equation to be met, not only a wish
+    hard : an equation to be met, not only approached
     """
 
     @property
@@ -115,7 +115,7 @@ class Layout:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Unknowns, where they start, how large they are, which are held, and the terms on them.
+    """Unknowns, where they start, how large they are, which are fixed, and the terms on them.
 
     Make one with `Problem.build`.
 

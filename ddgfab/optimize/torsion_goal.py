@@ -4,7 +4,7 @@ On a mesh as it is, torsion-free axes may have to lean far (`ddgfab.support.even
 turn away from the principal directions. Here the vertices move as well, near the surface, in the
 frame of all goals: node axes are further unknowns of length one, equations are the planarity of
 faces and det(e, a_i, a_j) of edges, axes are drawn to the vertex normals, and a barrier keeps their
-lean below a limit. Vertices slide far in this goal, so the surface is held to the mesh as well
+lean below a limit. Vertices slide far in this goal, so the surface is tied to the mesh as well
 (`ddgfab.optimize.terms.cover`).
 """
 

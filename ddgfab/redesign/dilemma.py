@@ -34,7 +34,7 @@ _TURNED: Final = np.radians(25.0)
 _LARGE: Final = 0.05
 """Forecasts beyond this part of the size are no small change."""
 _OFF: Final = 0.01
-"""Wishes whose vertices lie further from the surface than this part of its size are refused."""
+"""Drawn nets whose vertices lie further from the surface than this part of its size are refused."""
 
 
 @dataclass(frozen=True)

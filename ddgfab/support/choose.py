@@ -54,7 +54,7 @@ def support_structure(
     the vertex cones), "edge" (meshes parallel to a Koebe net: its vertices, which give beams of one
     height), "offset" (planar faces: the parallel mesh nearest to the vertex normals),
     "optimize" (any mesh: axes nearest to the vertex normals), "central" (any mesh: axes through
-    one point), "normals" (A-nets and K-nets: surface normals, whose torsion stays and is told by
+    one point), "normals" (A-nets and K-nets: surface normals, whose torsion stays; reported by
     the structure; never taken by "auto"), "auto": of all of "normal", "axis", "edge", "offset"
     that the net allows exactly, the one that leans least on average; if none stays within the lean
     limit, "optimize" where that leans less. A net that is circular, conical or planar only within
@@ -128,7 +128,7 @@ def support_structure(
 
 
 def _objection(mesh: Mesh, kind: str) -> str:
-    """Why a net does not allow an exact kind, in words and numbers; empty when it does."""
+    """Why a net does not allow an exact kind, with numbers; empty when it does."""
     flat = planarity_percent(mesh)
     worst = int(flat.argmax())
     if flat[worst] > NET_PLANAR_PERCENT:
@@ -201,7 +201,7 @@ def _upright(structure: SupportStructure, limit_deg: float) -> SupportStructure:
 
 
 def _reason(structure: SupportStructure) -> str:
-    """Why a net has no upright axes, where that can be told."""
+    """Why a net has no upright axes, where that is known."""
     mesh = structure.mesh
     if structure.kind == "central":
         return "; axes through one centre suit nets like domes only"

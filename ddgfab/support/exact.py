@@ -118,7 +118,7 @@ def cone_field(mesh: Mesh) -> Floats:
     """
     weights = np.where(mesh.boundary_vertex, BOUNDARY_WEIGHT, 1.0)
     field = parallel_field(mesh, _to_faces(mesh, np.zeros_like(mesh.vertices)), weights)
-    # The boundary's wishes cost the interior a little; what that is, it gets back.
+    # The terms of the boundary cost the interior a little; that is undone here.
     return field + parallel_field(mesh, _to_faces(mesh, field), weights)
 
 

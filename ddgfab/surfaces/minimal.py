@@ -63,7 +63,7 @@ class Weierstrass:
         before, length_before = np.full((*ends.shape, 3), np.inf), np.full(ends.shape, np.inf)
         parts = 1
         while parts <= MOST_PARTS:
-            with np.errstate(all="ignore"):  # poles are told below
+            with np.errstate(all="ignore"):  # poles are reported below
                 points, length = self._integral(ends, start, parts)
                 settled = np.linalg.norm(points - before, axis=-1) <= SETTLED * length
                 # The two sides of a pole may cancel; lengths of ways through it grow for ever.

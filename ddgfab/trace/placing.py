@@ -1,6 +1,6 @@
 """Where the lines of a network run: evenly, from rim to rim, without ends in the open.
 
-First lines through points at the wished spacing on a line of the other family; more where
+First lines through points at the given spacing on a line of the other family; more where
 the surface is bare; then lines that are squeezed go. Source: Jobard, Lefer 1997 (idea of filling).
 """
 
@@ -44,7 +44,7 @@ class Network:
     ----------
     lines : of family 0, of family 1
     umbilics : inside the trim; empty for conjugate families
-    spacing : wished, of family 0 and 1
+    spacing : that was asked for, of family 0 and 1
     """
 
     field: Field
@@ -72,7 +72,7 @@ def place(
 
     Parameters
     ----------
-    spacing : wished distance of the lines of family 0, and of family 1
+    spacing : distance of the lines of family 0, and of family 1
     through : (k, 3) points of the surface: a line of each family runs through each of them (a
         ridge, a line of the facade), and the others are counted from the first
     first : (k, 3) points through which lines of family 0 run
@@ -90,12 +90,12 @@ def place(
     name = field.surface.name
     if not samples.inside.any():
         raise InputError(f"{name}: its trim is too small for {len(samples.inside)} samples")
-    for wished in spacing:
-        if not (np.isfinite(wished) and wished > 0):
-            raise InputError(f"spacing {wished:g}: a length greater than 0 is needed")
-        if wished > samples.diameter / 2 or wished < _FINEST * samples.diameter:
+    for given in spacing:
+        if not (np.isfinite(given) and given > 0):
+            raise InputError(f"spacing {given:g}: a length greater than 0 is needed")
+        if given > samples.diameter / 2 or given < _FINEST * samples.diameter:
             raise InputError(
-                f"{name}: spacing {wished:g} for a surface of size {samples.diameter:.4g}; "
+                f"{name}: spacing {given:g} for a surface of size {samples.diameter:.4g}; "
                 f"{_FINEST * samples.diameter:.3g} to {samples.diameter / 2:.3g} makes a net (are "
                 "both in the same unit?)"
             )

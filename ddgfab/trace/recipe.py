@@ -21,7 +21,7 @@ from ddgfab.trace.report import Quality, quality
 
 _NEARLY: Final = (1.0, 1.02, 0.98, 1.05, 0.95)
 """Where lines touch or make no cells, as noise near the rim makes them, spacings as near as these
-parts of the wished one are tried."""
+parts of the given one are tried."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ def trace(
 
     Parameters
     ----------
-    spacing : wished distance of neighboring lines, of both families or of each; up to 5 % more or
+    spacing : distance of neighboring lines, of both families or of each; up to 5 % more or
         less is tried where no cells come of it (`network.spacing` says what it became)
     along : normal (3,) of parallel planes: one family is the sections with them, the other
         conjugate to it

@@ -28,7 +28,7 @@ class Quality:
     Attributes
     ----------
     lines : of family 0 and 1
-    spacing_percent : 5th, 50th and 95th percentile of the edges over the wished spacing of their
+    spacing_percent : 5th, 50th and 95th percentile of the edges over the given spacing of their
         family [%]; those of cells that the rim cuts do not count, where there are others
     planarity_percent : mean and greatest over inner faces
     face_sizes : how many inner, how many rim faces of each number of corners
@@ -63,7 +63,7 @@ class Quality:
         rows = [
             f"lines         {self.lines[0]} and {self.lines[1]}",
             f"spacing       5 % of the edges below {low:.0f} %, median {middle:.0f} %, "
-            f"5 % above {high:.0f} % of the wished",
+            f"5 % above {high:.0f} % of the given",
             f"inner faces   {inner}",
             f"rim faces     {rim}",
             f"planarity     mean {mean:.3g} %, greatest {greatest:.3g} % (inner faces)",
@@ -122,15 +122,15 @@ def quality(network: Network, traced: TracedMesh) -> Quality:
     mesh, samples = traced.mesh, network.samples
     inner = traced.inner_faces
     outer = np.setdiff1d(np.arange(mesh.n_faces), inner)
-    wished = float(min(network.spacing))
+    given = float(min(network.spacing))
     ratio = 100 * _ratios(network, traced)
     flat = planarity_percent(mesh)[inner] if len(inner) else np.zeros(1)
-    turn = np.degrees(turn_by_error(samples.principal, wished))[samples.inside]
+    turn = np.degrees(turn_by_error(samples.principal, given))[samples.inside]
     principal = isinstance(network.field, PrincipalField)
     median, most = np.percentile(turn, [50, 95]).tolist()
     sine = sines(network.field, samples.jets)[samples.inside]
     places = np.array([umbilic.x for umbilic in network.umbilics]).reshape(-1, 3)
-    far = cKDTree(samples.rim(wished / 4)).query(places)[0] if len(places) else []
+    far = cKDTree(samples.rim(given / 4)).query(places)[0] if len(places) else []
     low, middle, high = np.percentile(ratio, [5, 50, 95]).tolist()
     return Quality(
         vertices=mesh.n_vertices,
@@ -143,7 +143,7 @@ def quality(network: Network, traced: TracedMesh) -> Quality:
         turn_deg=(median, most) if principal else None,
         least_angle_deg=float(np.degrees(np.arcsin(np.clip(sine.min(), 0, 1)))),
         umbilics=tuple(
-            (umbilic.x, umbilic.index, bool(distance < _DOUBTFUL * wished))
+            (umbilic.x, umbilic.index, bool(distance < _DOUBTFUL * given))
             for umbilic, distance in zip(network.umbilics, far, strict=True)
         ),
         spirals=network.spirals,

@@ -31,8 +31,8 @@ TOUCH: Final = 0.01
 
 MIDDLE_MM: Final = 5e-3
 FINE_MM: Final = 2e-4
-"""Chord tolerances [mm] of the meshes that tell whether curved faces overlap: the finer ones where
-the others cannot. Overlaps less deep than that of both parts are not told from touching."""
+"""Chord tolerances [mm] of the meshes that show whether curved faces overlap: the finer ones where
+the others cannot. Overlaps less deep than that of both parts are taken for touching."""
 
 Finer: TypeAlias = Callable[[Family, float], TriangleMesh]
 """The mesh of a part number within a chord tolerance [mm]."""
@@ -75,7 +75,7 @@ def check_assembly(
     """The clearance checks of every piece, by mark.
 
     A piece without faults has one Check "clearance" that passed; its value is the least of what its
-    pairs have in hand over their limits [mm], or None without near neighbours. A piece with faults
+    pairs have more than their limits [mm], or None without near neighbours. A piece with faults
     has one failing Check "clearance" for each neighbour that is too near, its `other`: value is the
     gap [mm], negative for the depth of a penetration, against the limit.
 
@@ -180,7 +180,7 @@ def _limits(clearances: Clearances, roles: Sequence[Role]) -> Floats:
 def _least(
     marks: Sequence[str], pairs: Ints, gaps: Floats, needed: Floats
 ) -> dict[str, tuple[float, float]]:
-    """By mark, gap and limit of the pair with the least in hand."""
+    """By mark, gap and limit of the pair with the least margin."""
     least: dict[str, tuple[float, float]] = {}
     for pair in np.argsort(-(gaps - needed), kind="stable"):
         for piece in pairs[pair]:

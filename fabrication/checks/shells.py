@@ -37,7 +37,7 @@ class Shells:
     mesh : all of them, without vertices or edges at which sheets only touch
     volumes : (s,) signed [mm3]; negative for cavities, and for what is inside out
     touching : pairs of shells that touch and share no volume
-    problems : in words: what bounds no body; empty for a sound mesh
+    problems : what bounds no body, as text; empty for a sound mesh
     union : volume [mm3] of the body, what is covered twice counted once
     """
 

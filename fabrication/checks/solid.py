@@ -99,7 +99,7 @@ def _closed(shape: Any) -> bool:
 
 
 def _faults(shape: Any, analyzer: Any) -> tuple[str, ...]:
-    """The faulty sub-shapes in words, at most five: "face 3", "edge 7"."""
+    """The faulty sub-shapes as text, at most five: "face 3", "edge 7"."""
     from OCP.TopAbs import TopAbs_ShapeEnum
     from OCP.TopExp import TopExp
     from OCP.TopTools import TopTools_IndexedMapOfShape

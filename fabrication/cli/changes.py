@@ -17,33 +17,34 @@ Sections = dict[str, dict[str, Any]]
 """Settings by section and key."""
 
 
-def sections_of(changes: Sequence[str] | None, only: str | None = None) -> Sections:
+def sections_of(changes: Sequence[str] | None, only: Sequence[str] = ()) -> Sections:
     """`section.key=value` as sections; the value is TOML, or text without quotes.
 
     Parameters
     ----------
-    only : the one section that the command has settings of; by default a project's sections, which
-        are checked with the project
+    only : the sections that the command has settings of, the most likely first; by default a
+        project's sections, which are checked with the project
 
     Raises
     ------
     ProjectError
-        Another form, or another section than `only`.
+        Another form, or another section than those of `only`.
     """
     sections: Sections = {}
     for change in changes or ():
         name, equals, value = change.partition("=")
         section, dot, key = (part.strip() for part in name.partition("."))
         if not (equals and dot and section and key):
-            example = "panel.gap_mm=15" if only is None else f"{only}.{_bare(change)}"
+            example = f"{only[0]}.{_bare(change)}" if only else "panel.gap_mm=15"
             raise ProjectError(
                 f"--set {clipped(change)}: expected section.key=value, such as {example}"
             )
         if key.count(".") > DEEPEST or not all(part.strip() for part in key.split(".")):
             raise ProjectError(f"--set {clipped(change)}: {clipped(key)} is not a key")
-        if only is not None and section != only:
-            meant = nearest(section, [only])
-            hint = f"did you mean {only}.{clipped(key)}?" if meant else f"it takes {only}.key=value"
+        if only and section not in only:
+            meant = nearest(section, only)
+            takes = " or ".join(f"{name}.key=value" for name in only)
+            hint = f"did you mean {meant}.{clipped(key)}?" if meant else f"it takes {takes}"
             raise ProjectError(
                 f"--set {clipped(change)}: this command has no section {clipped(section)}; {hint}"
             )

@@ -111,25 +111,16 @@ class Reading:
         factor = to_millimetres(self.units, self.scale, read.units, read.file)
         return likely_setting(median_mm, factor, self.scale, read.units)
 
-    def sections(self) -> dict[str, dict[str, Any]]:
-        """The options that are not as they are by default, as settings of a project."""
-        found: dict[str, dict[str, Any]] = {}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if value != field.default:
-                section = "project" if field.name in ("units", "scale") else "net"
-                key = "weld_mm" if field.name == "weld" else field.name
-                found.setdefault(section, {})[key] = value
-        return found
+    def given(self) -> dict[str, Any]:
+        """The options that are not as they are by default."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {f.name: values[f.name] for f in fields(self) if values[f.name] != f.default}
 
     def arguments(self) -> list[str]:
         """The options that are not as they are by default, for commands to try next."""
         found = []
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if value == field.default:
-                continue
-            found.append(f"--{field.name}")
+        for name, value in self.given().items():
+            found.append(f"--{name}")
             if value is not True:
                 found.append(f"{value:g}" if isinstance(value, float) else str(value))
         return found

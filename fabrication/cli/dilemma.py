@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fabrication.cli.common import (
+    Change,
     Debug,
     Flip,
     Quads,
@@ -21,12 +22,14 @@ from fabrication.cli.common import (
     Weld,
     app,
 )
-from fabrication.cli.terminal import FAILED, session
+from fabrication.cli.terminal import FAILED, Session, session
 
 if TYPE_CHECKING:
     from ddgfab.mesh import Floats, Mesh
-    from ddgfab.redesign.dilemma import Dilemma
+    from ddgfab.redesign.dilemma import Dilemma, Movement
     from ddgfab.surfaces.spline import SplineSurface
+    from ddgfab.trace.alignment import Alignment
+    from fabrication.cli.settings import DilemmaSettings
 
 
 @app.command("dilemma")
@@ -36,11 +39,11 @@ def dilemma_command(
         Path, typer.Option("-o", "--output", help="OBJ, OFF or PLY to write.")
     ] = Path("moved.obj"),
     goal: Annotated[
-        str,
+        str | None,
         typer.Option(
-            "--goal", help="principal (planar faces, straight node axes) or planar (faces only)."
+            help="principal (default: planar faces, straight node axes) or planar (faces only)."
         ),
-    ] = "principal",
+    ] = None,
     keep: Annotated[
         float | None,
         typer.Option(
@@ -67,6 +70,7 @@ def dilemma_command(
     flip: Flip = False,
     quads: Quads = False,
     weld: Weld = None,
+    change: Change = None,
     picture: Annotated[
         bool, typer.Option(help="Write a picture beside the mesh: angles, movement.")
     ] = True,
@@ -80,35 +84,37 @@ def dilemma_command(
     Says first how far the edges are from principal and from conjugate directions, and how far the
     surface will have to move. Then writes the changed mesh where its file had it [mm], and a
     picture (OUTPUT.png): angles to the principal directions before, movement along the normal
-    after. Exit code 1 where no such net is near.
+    after. Exit code 1 where no such net is near. The options are settings of [dilemma] too:
+    `--set dilemma.keep=0.3`.
     """
-    from ddgfab.errors import OptimizeError
-
     with session(debug, quiet, verbose) as run:
+        from ddgfab.errors import OptimizeError
         from ddgfab.io import check_target
-        from ddgfab.redesign.dilemma import (
-            dilemma,
-            forecast_dict,
-            forecast_lines,
-            kept_by_default,
-            large,
-            mesh_forecast,
-        )
+        from ddgfab.redesign.dilemma import dilemma, forecast_dict
         from ddgfab.trace.alignment import alignment
+        from fabrication.cli.changes import put, sections_of
+        from fabrication.cli.settings import dilemma_settings, reading_with
 
+        sections = sections_of(change, only=("dilemma", "project", "net"))
+        put(
+            sections,
+            "dilemma",
+            goal=goal,
+            keep=None if keep is None else float(keep),
+            nearest=nearest or None,
+            plan=plan or None,
+            surface=surface,
+        )
+        settings = dilemma_settings(sections)
         if not forecast:
             check_target(output)
-        read = Reading(units, scale, up, flip, quads, weld).read(mesh)
-        drawn = _surface(surface, read.origin)
+        read = reading_with(Reading(units, scale, up, flip, quads, weld), sections).read(mesh)
+        drawn = _surface(settings.surface, read.origin)
         before = alignment(read.mesh, drawn)
-        kept = keep if keep is not None or nearest or goal == "planar" else kept_by_default(before)
-        expected = mesh_forecast(read.mesh, before, kept)
         if not as_json:
             for note in read.notes:
                 run.say(f"note: {note}")
-            run.say(_text([*before.lines(), *forecast_lines(expected)]))
-        if warning := large(expected, read.mesh):
-            run.fail(f"warning: {warning}")
+        expected = _forecast(run, read.mesh, before, settings, quiet=as_json)
         if forecast:
             if as_json:
                 record = {"before": before.to_dict(), "forecast": forecast_dict(expected)}
@@ -117,11 +123,11 @@ def dilemma_command(
         try:
             found = dilemma(
                 read.mesh,
-                goal,  # type: ignore[arg-type] # named where it is unknown
-                keep=keep,
-                nearest=nearest,
+                settings.goal,  # type: ignore[arg-type] # named where it is unknown
+                keep=settings.keep,
+                nearest=settings.nearest,
                 surface=drawn,
-                plan=plan,
+                plan=settings.plan,
             )
         except OptimizeError as error:
             if debug:
@@ -137,6 +143,23 @@ def dilemma_command(
             run.result(f"written to {output} [mm]")
         if warning:
             run.fail(warning)
+
+
+def _forecast(
+    run: Session, mesh: Mesh, before: Alignment, settings: DilemmaSettings, *, quiet: bool
+) -> Movement:
+    """How far the surface will have to move; printed with the directions, unless quiet."""
+    from ddgfab.redesign.dilemma import forecast_lines, kept_by_default, large, mesh_forecast
+
+    kept = settings.keep
+    if kept is None and not settings.nearest and settings.goal != "planar":
+        kept = kept_by_default(before)
+    expected = mesh_forecast(mesh, before, kept)
+    if not quiet:
+        run.say(_text([*before.lines(), *forecast_lines(expected)]))
+    if warning := large(expected, mesh):
+        run.fail(f"warning: {warning}")
+    return expected
 
 
 def _text(rows: list[tuple[str, str]]) -> str:

@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from fabrication.cli.common import (
+    Change,
     Debug,
     Flip,
     Quads,
@@ -36,6 +37,7 @@ def inspect_command(
     flip: Flip = False,
     quads: Quads = False,
     weld: Weld = None,
+    change: Change = None,
     quiet: Quiet = False,
     verbose: Verbose = False,
     debug: Debug = False,
@@ -51,9 +53,12 @@ def inspect_command(
         from ddgfab.redesign.advice import advise
         from ddgfab.support import SupportStructure
         from ddgfab.transforms.curvature_range import curvature_range
+        from fabrication.cli.changes import sections_of
+        from fabrication.cli.settings import reading_with
         from fabrication.gridshell.foresight import foreseen_record, foreseen_text
 
-        reading = Reading(units, scale, up, flip, quads, weld)
+        sections = sections_of(change, only=("project", "net"))
+        reading = reading_with(Reading(units, scale, up, flip, quads, weld), sections)
         read = reading.read(mesh)
         report = inspect(read.mesh)
         curved = None if quiet else curvature_range(read.mesh)

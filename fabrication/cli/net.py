@@ -55,7 +55,7 @@ def net_command(
         if listing:
             _list_nets(run, kinds() if kind is None else (kind,))
             return
-        given = sections_of(change, only="net").get("net", {})
+        given = sections_of(change, only=("net",)).get("net", {})
         if kind is not None and given.setdefault("kind", kind) != kind:
             raise InputError(f"KIND is {kind} and net.kind is {given['kind']}: give one of them")
         if given.get("kind") is None:

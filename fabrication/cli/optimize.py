@@ -111,11 +111,12 @@ def optimize_command(
         from ddgfab.optimize import TorsionFreeResult
         from ddgfab.optimize.report import comparison, comparison_text
         from fabrication.cli.changes import put, sections_of, value_of
+        from fabrication.cli.settings import reading_with
         from fabrication.gridshell.foresight import foreseen_text
         from fabrication.gridshell.load import make_project
         from fabrication.gridshell.optimized import optimized_mesh
 
-        sections = sections_of(change, only="optimize")
+        sections = sections_of(change, only=("optimize", "project", "net"))
         put(
             sections,
             "optimize",
@@ -134,7 +135,7 @@ def optimize_command(
         settings = make_project({"optimize": given}).optimize
         target = output or Path(f"{_stem(source)}-{settings.goal}.obj")
         check_target(target)
-        reading = Reading(units, scale, up, flip, quads, weld)
+        reading = reading_with(Reading(units, scale, up, flip, quads, weld), sections)
         read = reading.read(source)
         reference = None
         if surface is not None:

@@ -40,7 +40,7 @@ class Session:
 
     Attributes
     ----------
-    outcome : what is said besides when the command is interrupted
+    outcome : what is printed besides when the command is interrupted
     """
 
     def __init__(self, quiet: bool = False, verbose: bool = False) -> None:

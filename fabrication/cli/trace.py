@@ -79,7 +79,6 @@ def trace_command(
         from ddgfab.io import check_target, write_mesh
         from ddgfab.io.atomic import atomic_path
         from ddgfab.surfaces.analytic import SURFACES
-        from ddgfab.trace.alignment import alignment
         from ddgfab.trace.mesh import TAGS
         from fabrication.cli.changes import put, sections_of
         from fabrication.gridshell.load import make_project
@@ -88,7 +87,7 @@ def trace_command(
         if listing:
             _list_surfaces(run)
             return
-        sections = sections_of(change, only="net")
+        sections = sections_of(change, only=("net", "project"))
         net = sections.setdefault("net", {})
         put(
             sections,
@@ -109,18 +108,7 @@ def trace_command(
         put(sections, "project", units=units, scale=scale)
         project = make_project({**sections, "net": {"kind": "surface", **net}})
         found = traced_net(project)
-        records, said = [], []
-        for surface_, one in zip(found.surfaces, found.traced, strict=True):
-            has_quads = bool((one.mesh.face_sizes == 4).any())  # coarse nets may have none
-            edges = alignment(one.mesh, surface_) if has_quads else None
-            record = one.quality.to_dict() | ({} if edges is None else {"edges": edges.to_dict()})
-            name = {"surface": surface_.name} if len(found.traced) > 1 else {}
-            records.append(name | record)
-            rows = [] if edges is None else edges.lines()
-            said += [] if len(found.traced) == 1 else [surface_.name]
-            said += [one.quality.text(), *(f"{title:<16}{text}" for title, text in rows)]
-        record = records[0] if len(records) == 1 else {"patches": records, "joints": found.joints}
-        said += [f"note          {joint}" for joint in found.joints]
+        record, rows = _report(found)
         tags = [TAGS[tag] for tag in found.tag.tolist()]
         write_mesh(output, found.mesh, units="mm")
         with atomic_path(output.with_suffix(".json")) as temporary:
@@ -132,10 +120,33 @@ def trace_command(
         else:
             for surface_ in found.surfaces:
                 run.detail(f"surface: {surface_!r}")
-            run.say("\n".join([*said, repr(found.mesh)]))
+            run.say("\n".join([*rows, repr(found.mesh)]))
             run.result(f"written to {output} [mm]")
         if warning:
             run.fail(warning)
+
+
+def _report(found: Patches) -> tuple[dict[str, Any], list[str]]:
+    """Quality of the traced nets and directions of their edges, as a record and as lines."""
+    from ddgfab.trace.alignment import alignment
+
+    several = len(found.traced) > 1
+    records: list[dict[str, Any]] = []
+    rows: list[str] = []
+    for surface, one in zip(found.surfaces, found.traced, strict=True):
+        record = {"surface": surface.name} if several else {}
+        record |= one.quality.to_dict()
+        rows += [surface.name] if several else []
+        rows.append(one.quality.text())
+        if (one.mesh.face_sizes == 4).any():  # coarse nets may have no quads
+            edges = alignment(one.mesh, surface)
+            record["edges"] = edges.to_dict()
+            rows += [f"{title:<16}{text}" for title, text in edges.lines()]
+        records.append(record)
+    rows += [f"note          {joint}" for joint in found.joints]
+    if several:
+        return {"patches": records, "joints": found.joints}, rows
+    return records[0], rows
 
 
 def _draw(path: Path, found: Patches) -> str:

@@ -1,4 +1,4 @@
-"""What planar faces of a mesh will cost, said before solving: in inspect, make and optimize."""
+"""What planar faces of a mesh will cost, printed before solving: in inspect, make and optimize."""
 
 from __future__ import annotations
 

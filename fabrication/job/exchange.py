@@ -88,7 +88,7 @@ def _library() -> Any:
 
 @cache
 def _call() -> Any:
-    """The system's exchange of (path, path) as bytes; 0 is success, errno tells the rest."""
+    """The system's exchange of (path, path) as bytes; 0 is success, errno gives the reason."""
     library = _library()
     if hasattr(library, "renameat2"):
         function = library.renameat2

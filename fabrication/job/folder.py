@@ -100,7 +100,7 @@ class OutputFolder:
         return self.target.with_name(f".{name}{WORK}")
 
     def check(self) -> None:
-        """Raise OutputError where entering would, as far as can be told without writing."""
+        """Raise OutputError where entering would, as far as can be found without writing."""
         try:
             self._require_usable()
             above = next(

@@ -10,6 +10,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Final
@@ -165,13 +166,16 @@ def file_records(folder: Path) -> list[dict[str, Any]]:
 
 def library_versions(libraries: Iterable[str] = ()) -> dict[str, str]:
     """Versions of ddgfab and of the libraries that shape its output, the given ones included."""
-    versions = {"ddgfab": package_version()}
-    for library in dict.fromkeys((*_LIBRARIES, *libraries)):
-        try:
-            versions[library] = version(library)
-        except PackageNotFoundError:
-            versions[library] = "not installed"
-    return versions
+    names = dict.fromkeys((*_LIBRARIES, *libraries))
+    return {"ddgfab": package_version(), **{name: _version(name) for name in names}}
+
+
+@cache
+def _version(library: str) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return "not installed"
 
 
 def write_manifest(path: Path, manifest: Mapping[str, Any]) -> None:

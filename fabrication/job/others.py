@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import errno
-import itertools
 import os
 import shutil
 import stat
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import chain, count, islice
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
@@ -147,7 +146,7 @@ def free_name(name: str, new: Path, old: Path, *, kept: bool = False) -> str:
 
 def _folder_name(name: str, new: Path) -> str:
     """The name, or one beside it, that is free in a folder or a folder already."""
-    for found in (name, *islice(_names_beside(name), 1000)):
+    for found in chain([name], islice(_names_beside(name), 1000)):
         if not (new / found).is_symlink() and (
             (new / found).is_dir() or not (new / found).exists()
         ):
@@ -157,8 +156,8 @@ def _folder_name(name: str, new: Path) -> str:
 
 def _names_beside(name: str) -> Iterator[str]:
     path = PurePosixPath(name)
-    for count in itertools.count(1):
-        again = "" if count == 1 else f"-{count}"
+    for number in count(1):
+        again = "" if number == 1 else f"-{number}"
         yield str(path.with_name(f"{path.stem}.kept{again}{path.suffix}"))
 
 

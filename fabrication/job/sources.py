@@ -59,7 +59,7 @@ class Sources:
         return [(PROJECT, self.project), (INPUT, self.input)]
 
     def __str__(self) -> str:
-        """The file that tells it best, for messages."""
+        """The file that identifies it best, for messages."""
         path = self.project or self.input
         return "no file" if path is None else _shown(path)
 

@@ -40,7 +40,7 @@ PLURALS: Final = {
     "Point": "points",
     "PointSet": "point clouds",
 }
-"""Kinds of objects that are passed over, in words."""
+"""Kinds of objects that are passed over, as text."""
 
 EXPORT: Final = (
     "make a mesh of it in Rhino (Mesh, ToNURBS > QuadRemesh, or Explode for blocks) and save again"

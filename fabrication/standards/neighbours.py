@@ -79,7 +79,7 @@ def near_profiles(text: str, valid: Callable[[str], bool]) -> list[str]:
 
 
 def missing_sizes(family: str, sizes: Sequence[float]) -> str:
-    """Which sizes a designation lacks, in words; empty where it has as many as it should."""
+    """Which sizes a designation lacks, as text; empty where it has as many as it should."""
     labels = table("profiles")[family]["dimensions"]
     if len(sizes) >= len(labels):
         return ""

@@ -109,7 +109,7 @@ def stock_lengths(section: Profile) -> tuple[tuple[float, ...], str] | None:
 
 
 def lying(section: Profile) -> str:
-    """Where a flat bar or hollow section lies on its side: so in words, and which one stands.
+    """Where a flat bar or hollow section lies on its side, as text, and which one stands.
 
     Others give an empty text: what lies is no question of theirs.
     """

@@ -41,6 +41,27 @@ def test_inspect_says_what_kind_of_net(roof: Path) -> None:
     assert data["measures"]["planarity"]["greatest"] < 1e-6
 
 
+def test_settings_say_how_a_mesh_is_read(roof: Path) -> None:
+    """The same names as in project files, with the same limits; options have precedence."""
+    given = ("inspect", roof, "--json")
+    by_option = json.loads(ddgfab(*given, "--units", "cm", "--up", "y").output)
+    by_setting = json.loads(ddgfab(*given, "--set", "project.units=cm", "--set", "net.up=y").output)
+    plain = json.loads(ddgfab(*given).output)
+    assert by_setting == by_option
+    length = [record["edge_length"][1] for record in (by_setting, plain)]
+    assert length[0] == pytest.approx(10 * length[1])
+    both = ddgfab(*given, "--set", "project.units=cm", "--units", "m", "--up", "y")
+    assert json.loads(both.output) == json.loads(ddgfab(*given, "--units", "m", "--up", "y").output)
+    for change, text in (
+        ("project.units=yard", 'units = "yard" must be'),
+        ("net.upp=y", "did you mean net.up?"),
+        ("panel.gap_mm=3", "this command has no section panel; it takes project.key=value or net"),
+    ):
+        refused = ddgfab("inspect", roof, "--set", change)
+        assert refused.exit_code == 2
+        assert text in " ".join(refused.output.split())
+
+
 def test_check_tells_good_files_from_broken_ones(small_folder: Path, tmp_path: Path) -> None:
     good = sorted((small_folder / "parts").glob("*/BP-001.*"))
     assert len(good) == 2

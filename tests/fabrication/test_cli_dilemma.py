@@ -53,6 +53,19 @@ def test_mesh_report_and_picture(drawn: Path, tmp_path: Path) -> None:
     assert target.with_suffix(".png").stat().st_size > 20_000
 
 
+def test_settings_are_options_too(drawn: Path) -> None:
+    by_option = run(drawn, "--forecast", "--json", "--keep", "0.2", "--up", "-x")
+    settings = ("--set", "dilemma.keep=0.2", "--set", "net.up=-x")
+    assert run(drawn, "--forecast", "--json", *settings) == by_option
+    assert json.loads(by_option[1])["forecast"]["keep"] == 0.2
+    code, text = run(drawn, "--forecast", "--set", "dilemma.keap=1")
+    assert code == 2
+    assert "did you mean keep?" in text
+    code, text = run(drawn, "--forecast", "--set", "optimize.keep=1")
+    assert code == 2
+    assert "it takes dilemma.key=value" in text
+
+
 def test_what_is_refused_is_said(drawn: Path, tmp_path: Path) -> None:
     target = tmp_path / "moved.obj"
     for arguments, message in (

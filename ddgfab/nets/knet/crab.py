@@ -221,7 +221,7 @@ def string_tensions(net: CrabNet) -> Floats:
 def string_forces(net: CrabNet, tensions: ArrayLike | None = None) -> Floats:
     """(K, N, 3) sums of the forces that the edges exert on every point, weightless strings.
 
-    On the first and last ring they are held by the supports; on the others they vanish when the
+    On the first and last ring they are fixed by the supports; on the others they vanish when the
     tensions are those of `string_tensions`: every rotational K-net is in equilibrium.
 
     Parameters

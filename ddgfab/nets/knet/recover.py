@@ -118,7 +118,7 @@ def recover_knet(source: Mesh | Net | ArrayLike, *, limit: float = KNET_DEFECT) 
 
 @checked
 def knet_from_mesh(mesh: Mesh, *, limit: float = KNET_DEFECT) -> KNet:
-    """The exact K-net next to a mesh; `recover_knet` tells also how near it is."""
+    """The exact K-net next to a mesh; `recover_knet` also gives the distance."""
     return recover_knet(mesh, limit=limit).knet
 
 
@@ -144,7 +144,7 @@ def _signed(x: Floats, nu: Floats) -> Floats:
         part = layer(d, k, slice(None))
         edges = np.diff(x[part], axis=k)
         way = np.einsum("...i,...i->...", lelieuvre_edges(nu[part], k), edges)
-        # An edge across both normals fits neither sign; its defect will tell.
+        # An edge across both normals fits neither sign; its defect will show it.
         signs = np.cumprod(np.where(way < 0, -1.0, 1.0), axis=k)
         start = layer(d, k, slice(0, 1))
         first = np.sign(np.einsum("...i,...i->...", m[start], nu[start]))

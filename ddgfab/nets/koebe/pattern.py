@@ -173,7 +173,7 @@ class CirclePattern:
         return np.where(self.lines, np.inf, np.exp(rho)), tuple(history)
 
     def _newton_step(self, rho: Floats, slope: Floats) -> Floats:
-        """Newton's step with one circle held, that of the greatest weights."""
+        """Newton's step with one circle fixed, that of the greatest weights."""
         matrix = self.hessian(rho)
         free = np.flatnonzero(~self.lines)
         free = np.delete(free, int(matrix.diagonal()[free].argmax()))

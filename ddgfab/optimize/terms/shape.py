@@ -1,4 +1,4 @@
-"""Wishes about shape: closeness to given positions, fairness of polylines, Laplacian, strain."""
+"""Soft terms about shape: closeness to positions, fairness of polylines, Laplacian, strain."""
 
 from __future__ import annotations
 

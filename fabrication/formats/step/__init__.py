@@ -1,4 +1,4 @@
-"""STEP files as manufacturers want them: named, colored, layered, with validation properties.
+"""STEP files as manufacturers need them: named, colored, layered, with validation properties.
 
 Product = part number, component instance = piece mark. All is written as text
 (`fabrication.formats.step.direct`); the kernel is asked only for the geometry of parts without an

@@ -74,7 +74,7 @@ def fibre_ends(shape: BeamShape) -> tuple[Floats, Floats]:
 
 
 def beam_variants(shapes: Sequence[BeamShape]) -> Variants:
-    """Beams of one key: as they are, and turned end for end where nothing tells the ends apart."""
+    """Beams of one key: as they are, and turned end for end where their ends are alike."""
     ends = [fibre_ends(shape) for shape in shapes]
     start = np.array([pair[0] for pair in ends])
     end = np.array([pair[1] for pair in ends])

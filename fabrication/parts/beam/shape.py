@@ -106,7 +106,7 @@ class BeamShape:
 
     @classmethod
     def variants(cls, shapes: Sequence[Self]) -> Variants:
-        """As they are, and turned end for end where nothing tells the ends apart."""
+        """As they are, and turned end for end where nothing distinguishes the ends."""
         return beam_variants(shapes)
 
     def geometry(self) -> Boundary | Cut:

@@ -1,4 +1,4 @@
-"""What makes two links congruent; the text of a label never tells two parts apart."""
+"""What makes two links congruent; the text of a label never distinguishes two parts."""
 
 from __future__ import annotations
 

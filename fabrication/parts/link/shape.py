@@ -41,7 +41,7 @@ class LinkShape:
     bar_width, bar_height : of the bar's rectangular section [mm]; its height stands along the mean
         of the two axes
     bevel : what is taken off the section's corners [mm], at 45 degrees; 0 for sharp ones
-    label : on the upper side of the bar, in its middle; never tells two parts apart
+    label : on the upper side of the bar, in its middle; never distinguishes two parts
     """
 
     length: float
