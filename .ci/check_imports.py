@@ -32,6 +32,7 @@ GEOMETRY_ROOMS = [
     "arguments",
     "suggest",
     "tolerances",
+    "symmetric",
     "mesh_tables",
     "mesh",
     "grid",

@@ -31,6 +31,7 @@ from ddgfab.optimize.quality import folded_faces
 from ddgfab.optimize.terms import circularity_terms, planarity_terms
 from ddgfab.optimize.terms.planarity import polygon_corners
 from ddgfab.optimize.terms.shape import polyline_triples, second_differences
+from ddgfab.symmetric import factored
 
 _SLIDE, _SMOOTH = 0.1, 10.0
 """Weights of movements along the surface, and of their second differences."""
@@ -211,12 +212,7 @@ def _kkt(weight: csr_array, lines: csr_array, right: Floats, values: Floats) -> 
     exact = csr_array(block_array([[weight, lines.T], [lines, None]]))
     shift = np.concatenate([np.zeros(weight.shape[0]), np.full(count, -_SOFT)])
     try:
-        factors = splu(
-            csc_array(exact + diags_array(shift)),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        factors = factored(exact + diags_array(shift))
     except RuntimeError as error:
         raise DegenerateError(f"the equations of the net are singular ({error})") from None
     wanted = np.concatenate([right, values])

@@ -2,10 +2,9 @@
 
 Minimise sum w_v |a_v - n_v|^2 over unit axes a_v under c_e = det(e, a_i, a_j) = 0 for every edge
 e = ij (Pottmann, Liu, Wallner, Bobenko, Wang 2007, Def. 5.1; mathematics.md 10.2). Vertices stay
-where
-they are, faces need not be planar. A disk-shaped quad mesh with b boundary edges has a family of
-b/2 + 2 such structures, so the programme has room; other meshes may have less, and the solver then
-fails by name instead of returning something near.
+where they are, faces need not be planar. A disk-shaped quad mesh with b boundary edges has a family
+of b/2 + 2 such structures, so the programme has room; other meshes may have less, and the solver
+then raises instead of returning something near.
 """
 
 from __future__ import annotations
@@ -22,6 +21,7 @@ from ddgfab.errors import SupportError
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.support.structure import SupportStructure
+from ddgfab.symmetric import factored
 from ddgfab.tolerances import TORSION_EXACT_DEG
 
 
@@ -100,14 +100,8 @@ def _cheap_step(
 ) -> tuple[Floats, Floats]:
     """Gauss-Newton step through the Schur complement of the diagonal Hessian; new multipliers."""
     scaled = matrix @ diags_array(1.0 / weight)
-    schur = (scaled @ matrix.T + eps * eye_array(matrix.shape[0])).tocsc()
-    factor = splu(
-        schur,
-        permc_spec="MMD_AT_PLUS_A",
-        options={"SymmetricMode": True},
-        diag_pivot_thresh=0.0,  # positive definite: no pivoting needed, the ordering is kept
-    )
-    force = factor.solve(values - scaled @ gradient + eps * force)
+    schur = scaled @ matrix.T + eps * eye_array(matrix.shape[0])
+    force = factored(schur).solve(values - scaled @ gradient + eps * force)
     return -(gradient + matrix.T @ force) / weight, force
 
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
-from scipy.sparse.linalg import splu
 
 from ddgfab.arguments import checked
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.support.nearest_axes import tangent_frames
+from ddgfab.symmetric import factored
 
 PENALTY = 1e7
 """Weight of the edge conditions against the distance to the target, both without unit."""
@@ -54,13 +54,7 @@ def parallel_field(mesh: Mesh, target: Floats, weights: Floats | None = None) ->
     """
     weight = np.repeat(np.ones(mesh.n_vertices) if weights is None else weights, 3)
     matrix = edge_conditions(mesh)
-    system = (diags_array(weight) + PENALTY * (matrix.T @ matrix)).tocsc()
-    factor = splu(
-        system,
-        permc_spec="MMD_AT_PLUS_A",
-        options={"SymmetricMode": True},
-        diag_pivot_thresh=0.0,  # positive definite
-    )
+    factor = factored(diags_array(weight) + PENALTY * (matrix.T @ matrix))
     field = np.zeros(matrix.shape[1])
     for _ in range(PASSES):
         force = np.zeros(matrix.shape[0])

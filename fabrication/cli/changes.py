@@ -42,9 +42,9 @@ def sections_of(changes: Sequence[str] | None, only: Sequence[str] = ()) -> Sect
         if key.count(".") > DEEPEST or not all(part.strip() for part in key.split(".")):
             raise ProjectError(f"--set {clipped(change)}: {clipped(key)} is not a key")
         if only and section not in only:
-            meant = nearest(section, only)
+            meant = [name for name in nearest(section, only) if name[0] == section[0]]
             takes = " or ".join(f"{name}.key=value" for name in only)
-            hint = f"did you mean {meant}.{clipped(key)}?" if meant else f"it takes {takes}"
+            hint = f"did you mean {meant[0]}.{clipped(key)}?" if meant else f"it takes {takes}"
             raise ProjectError(
                 f"--set {clipped(change)}: this command has no section {clipped(section)}; {hint}"
             )

@@ -21,10 +21,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.symmetric import factored
 from ddgfab.trees import tree_sums
 
 GRADIENT_TOLERANCE: Final = 1e-10
@@ -177,12 +177,7 @@ class CirclePattern:
         matrix = self.hessian(rho)
         free = np.flatnonzero(~self.lines)
         free = np.delete(free, int(matrix.diagonal()[free].argmax()))
-        factor = splu(
-            matrix[free][:, free],
-            permc_spec="MMD_AT_PLUS_A",
-            options={"SymmetricMode": True},
-            diag_pivot_thresh=0.0,  # positive definite
-        )
+        factor = factored(matrix[free][:, free])
         step = np.zeros(self.count)
         step[free] = -factor.solve(slope[free])
         return step
