@@ -134,7 +134,7 @@ def _report(found: Patches) -> tuple[dict[str, Any], list[str]]:
     records: list[dict[str, Any]] = []
     rows: list[str] = []
     for surface, one in zip(found.surfaces, found.traced, strict=True):
-        record = {"surface": surface.name} if several else {}
+        record: dict[str, Any] = {"surface": surface.name} if several else {}
         record |= one.quality.to_dict()
         rows += [surface.name] if several else []
         rows.append(one.quality.text())
