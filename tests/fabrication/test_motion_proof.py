@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -104,6 +105,28 @@ def test_a_pair_that_grazes_its_limit_ends_the_range_and_is_named() -> None:
     assert limit <= contact.gap < limit + 1e-3
     assert motion.high == contact.t == pytest.approx(at, abs=1e-3)
     assert free_motion(loop, pair(room - 0.01), CLEARANCE, limits=limits).above == ()
+
+
+@pytest.mark.parametrize("make", [reference, the_cube])
+def test_pairs_count_as_rigid_if_their_distance_never_changes(make: Any) -> None:
+    """By the rules, against the distances in a few poses."""
+    mechanism, bodies = make()
+    pieces = ConvexPieces.build(mechanism, bodies)
+    rules = Rules.build(mechanism, bodies, CLEARANCE, 0.1)
+    search = Search(mechanism, pieces, rules)
+    a, b = np.triu_indices(len(pieces), 1)
+    other = pieces.body[a] != pieces.body[b]
+    a, b = a[other], b[other]
+    low, high = mechanism.limits
+    ts = mechanism.design + np.array([-0.37, 0.0, 0.41]) * min(1.0, (high - low) / 4)
+    found = np.array([gaps(pieces, search.placed(float(t), a, b)).gap for t in ts])
+    apart = (found > 1e-3).all(axis=0)  # where pieces overlap their gap says little
+    still = np.ptp(found, axis=0) < 3e-4
+    rigid = rules.rigid(pieces, a, b)
+    assert np.array_equal(rigid, rules.rigid(pieces, b, a))
+    assert still[apart & rigid].all()
+    assert not still[apart & ~rigid].any()
+    assert min((apart & rigid).sum(), (apart & ~rigid).sum()) > 5
 
 
 def test_the_nearest_of_both_ways_is_reported() -> None:
