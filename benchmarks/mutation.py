@@ -45,7 +45,7 @@ ROOMS = {
     ),
     "parts": (
         ["fabrication/parts"],
-        ["test_parts_*", "test_families", "test_solids_boundary", "test_linkage_links"],
+        ["test_parts_*", "test_families", "test_solids_properties", "test_linkage_links"],
     ),
     "checks": (["fabrication/checks"], ["test_checks_*"]),
     "linkages": (["ddgfab/linkages"], ["test_linkages_*"]),

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import DetailError
-from fabrication.parts.coupon import CouponShape, bore_row, coupon_size
+from fabrication.parts.coupon import MARGIN, CouponShape, bore_row, coupon_size
 from fabrication.parts.pin import PinShape
 from fabrication.parts.ring import RingShape
 from fabrication.solids import boundary_of, mesh_of, properties_of, volume_of
-from fabrication.solids.text import Label
+from fabrication.solids.text import Label, label_size
 from fabrication.specs import Shape
 
 
@@ -58,6 +58,13 @@ def test_coupon_bores_stay_off_labels_and_borders() -> None:
         assert abs(x) + bore / 2 < 12.0
         away = np.linalg.norm(letters[:, :2] - (x, y), axis=1)
         assert away.min() > bore / 2 + 0.5
+    # Each label is in the middle under its bore, at the margin from the border.
+    for (x, _), label in zip(bore_row(coupon), labels, strict=True):
+        own = letters[np.abs(letters[:, 0] - x) < 4.0]
+        low, high = own.min(axis=0), own.max(axis=0)
+        size = label_size(label)
+        assert (low[0] + high[0]) / 2 == pytest.approx(x)
+        assert (low[1], high[1]) == pytest.approx((MARGIN - 6.0, MARGIN - 6.0 + size[1]))
 
 
 @pytest.mark.parametrize(
