@@ -17,7 +17,7 @@ from fabrication.families import cluster, families
 from fabrication.gridshell.pieces import Beam, Node, Panel
 from fabrication.linkage.pieces import Loose
 from fabrication.parts.beam import BeamShape, EndCut, fibre_ends
-from fabrication.parts.node import NodeShape, Seat
+from fabrication.parts.node import NodeShape, RadialHole, Seat
 from fabrication.parts.panel import PANEL, PanelShape, panel_variants
 from fabrication.parts.pin import PIN, PinShape
 from fabrication.specs import Check, Family, Piece
@@ -188,6 +188,30 @@ def test_nodes_turn_about_their_axis_and_slide_along_it() -> None:
     mirrored = node(2, [0.0, *np.cumsum(gaps[::-1])[:-1].tolist()])
     assert len(families([pieces[0], mirrored])) == 2
     assert len(families([pieces[0], node(3, azimuths, radius=20.5)])) == 2
+
+
+@pytest.mark.parametrize("what", ["z", "depth"])
+def test_heights_and_depths_of_holes_go_round_with_the_arms(what: str) -> None:
+    """A node counted from another arm is the same; with two holes exchanged it is another."""
+    azimuths = [0.0, 1.3, 2.9, 4.4]
+    values = [5.0, 7.0, 8.5, 12.0]
+
+    def drilled(number: int, first: int, at: list[float]) -> Node:
+        piece = node(number, [azimuths[(first + k) % 4] - azimuths[first] for k in range(4)])
+        hole = RadialHole(0.0, -20.0, 4.0, 6.0)
+        holes = tuple(
+            replace(
+                hole, azimuth=seat.azimuth, **{what: at[(first + k) % 4] - 20.0 * (what == "z")}
+            )
+            for k, seat in enumerate(piece.shape.seats)
+        )
+        return replace(piece, shape=replace(piece.shape, holes=holes))
+
+    same = [drilled(k, k, values) for k in range(4)]
+    found = families(same)
+    assert marks(found) == [["N-0000", "N-0001", "N-0002", "N-0003"]]
+    assert check_placements(same, found, 1e-8) == 3
+    assert len(families([same[0], drilled(4, 0, [7.0, 5.0, 8.5, 12.0])])) == 2
 
 
 @pytest.mark.parametrize("make", ["panel", "beam", "node"])

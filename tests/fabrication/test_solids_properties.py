@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from parts_table import BEAMS, CUT, EXACT, FLAT, NODES, PANELS, beam
+from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
 
 from fabrication.parts.beam import BeamShape, EndCut
-from fabrication.parts.node import NodeShape
+from fabrication.parts.node import NodeShape, RadialHole
 from fabrication.parts.panel import PanelShape
 from fabrication.solids import boundary_of, properties_of, second_volume_of, volume_of
 from fabrication.solids.integrals import properties
@@ -59,6 +60,22 @@ def scaled(shape: Shape, f: float) -> Shape:
 def test_two_routes_to_the_volume_agree(name: str) -> None:
     shape = EXACT[name][0]
     assert volume_of(shape) == pytest.approx(second_volume_of(shape), rel=1e-11)
+
+
+@pytest.mark.parametrize("bore", [30.0, 50.0])
+def test_holes_through_the_wall_of_a_tube(bore: float) -> None:
+    """Slices along the tube's axis: 2 sqrt(r^2 - y^2) (sqrt(R^2 - y^2) - sqrt(b^2 - y^2))."""
+    r, outer = 7.0, 60.0
+    holes = (RadialHole(0.3, 2.0, 2 * r, None), RadialHole(2.4, -9.0, 2 * r, None))
+    tube = NodeShape(outer, bore, -40.0, 45.0)
+    taken = second_volume_of(tube) - second_volume_of(replace(tube, holes=holes))
+
+    def slice_of(y: float) -> float:
+        wall = math.sqrt(outer**2 - y**2) - math.sqrt(bore**2 - y**2)
+        return 2.0 * math.sqrt(r**2 - y**2) * wall
+
+    assert taken == pytest.approx(2.0 * quad(slice_of, -r, r)[0], rel=1e-8)
+    assert second_volume_of(tube) == pytest.approx(math.pi * (outer**2 - bore**2) * 85.0)
 
 
 @pytest.mark.parametrize("name", EXACT)
