@@ -18,7 +18,7 @@ from fabrication.job.manifest import (
     part_record,
     read_manifest,
     write_manifest,
-    write_timings,
+    write_run,
 )
 from fabrication.specs import Check
 
@@ -169,7 +169,9 @@ def test_file_records_match_sha256_of_the_files(tmp_path: Path) -> None:
     assert second["sha256"].startswith("ba7816bf8f01cfea414140de5dae2223")
 
 
-def test_timings_are_in_order_the_longest_first(tmp_path: Path) -> None:
-    write_timings(tmp_path / "timings.json", {"parts": 2.00004, "preview": 0.5, "reading": 31.0})
-    found = json.loads((tmp_path / "timings.json").read_text())
-    assert list(found.items()) == [("reading", 31.0), ("parts", 2.0), ("preview", 0.5)]
+def test_a_run_says_its_sources_and_the_longest_steps_first(tmp_path: Path) -> None:
+    sources = {"input": {"file": "a.obj"}}
+    write_run(tmp_path / "run.json", sources, {"parts": 2.00004, "preview": 0.5, "reading": 31.0})
+    found = json.loads((tmp_path / "run.json").read_text())
+    assert found["made_from"] == sources
+    assert list(found["seconds"].items()) == [("reading", 31.0), ("parts", 2.0), ("preview", 0.5)]
