@@ -46,6 +46,9 @@ SHOWN_DECIMALS: Final[tuple[tuple[str, int], ...]] = (
     ("_deg", 2),
     ("_kg", 2),
     ("_percent", 2),
+    ("axis_x", 4),
+    ("axis_y", 4),
+    ("axis_z", 4),
 )
 """How many of them sheets show, where that are fewer: what a shop measures."""
 

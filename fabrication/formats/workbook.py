@@ -113,8 +113,8 @@ def add_table(
         places = decimals(column)
         values = [_cell(row.get(column), places) for row in rows]
         width, lines = _width(column, values)
-        heights.append(lines)
         if not legend.hides(column):
+            heights.append(lines)
             taken = [max(n, _lines(v, width)) for n, v in zip(taken, values, strict=True)]
         number = f"0.{'0' * shown_decimals(column)}"
         look = book.cell(num_format=number)

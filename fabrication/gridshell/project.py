@@ -61,6 +61,7 @@ class BeamSettings(Section):
     end : "flat" (a plane parallel to the node axis) or "cope" (the node's cylinder)
     clearance_mm : between the cut and the node; 0.5 leaves room for paint and length tolerance
     min_length_mm : least length between the cuts
+    grade : for the order: steel grade and what is done to the surface, "S355J2, galvanized"
     density : kg/m3; default steel, EN 1991-1-1
     """
 
@@ -69,6 +70,7 @@ class BeamSettings(Section):
     end: Literal["flat", "cope"] = "flat"
     clearance_mm: NotNegative = 0.5
     min_length_mm: Positive = 100.0
+    grade: str = ""
     density: Positive = density("steel")
 
     @field_validator("profile")
@@ -96,6 +98,7 @@ class NodeSettings(Section):
     arm_clearance_mm : land left between neighbouring arms (seats) at the cylinder
     margin_mm, top_margin_mm : how far a node reaches below and above its arms' end faces
     height_step_mm : top and bottom are rounded outwards to multiples of it
+    grade : for the order, as of beams
     density : kg/m3; default steel, EN 1991-1-1
     """
 
@@ -108,6 +111,7 @@ class NodeSettings(Section):
     margin_mm: NotNegative = 5.0
     top_margin_mm: NotNegative = 0.5
     height_step_mm: Positive = 1.0
+    grade: str = ""
     density: Positive = density("steel")
 
     @classmethod
@@ -192,6 +196,7 @@ class PanelSettings(Section):
     build_up : of the pane from the outside inwards, such as "8/16Ar/6.6.2": plies in mm, dots in
         laminates (two 6 mm plies with 2 films of PVB), cavities with Air, Ar or Kr; it sets
         thickness_mm and density. Empty: one pane of thickness_mm
+    grade : for the order: heat treatment, coatings, standards, "toughened, low-e on face 2"
     thickness_mm : of the pane; default 12, e.g. two 6 mm plies
     gap_mm : joint between neighbouring panes, half on each side of pi(e)
     gap_at : the level where a square-sided pane keeps the gap: "tightest" (nowhere less),
@@ -211,6 +216,7 @@ class PanelSettings(Section):
 
     kind: Literal["glass", "none"] = "glass"
     build_up: str = ""
+    grade: str = ""
     thickness_mm: Positive = 12.0
     gap_mm: NotNegative = 12.0
     gap_at: Literal["tightest", "inner", "outer"] = "tightest"

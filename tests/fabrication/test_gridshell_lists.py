@@ -70,7 +70,13 @@ def test_parts_list_counts_every_piece_and_all_the_mass() -> None:
     each = sum(sum(tables[name].column("mass_kg")) for name in ("panels", "beams", "nodes"))
     assert sum(bom.column("mass_kg")) == pytest.approx(each, rel=1e-12)
     roles = {row["role"]: row["material"] for row in bom}
-    assert roles == {"beam": "steel", "node": "steel", "panel": "glass"}
+    assert roles["beam"] == "steel (grade not stated)"
+    graded = dome().detail(
+        beam={"grade": "S355J2"}, panel={"build_up": "8/16Ar/6.6", "grade": "toughened"}
+    )
+    roles = {row["role"]: row["material"] for row in schedules(graded)["bom"]}
+    assert roles["beam"] == "steel S355J2"
+    assert roles["panel"] == "glass 8/16Ar/6.6, toughened"
 
 
 def test_size_classes_hold_their_panes() -> None:
@@ -169,10 +175,11 @@ def test_seats_of_a_node_are_its_arms() -> None:
         assert row["above_mm"] + row["below_mm"] == pytest.approx(row["height_mm"])
 
 
-def test_the_cut_list_has_every_beam_once_in_bars_that_hold_it() -> None:
+def test_the_cut_list_has_every_bar_once_in_stock_that_holds_it() -> None:
     shell = dome().detail(stock={"length_mm": [6000, 3000], "kerf_mm": 4, "trim_mm": 15})
     tables = schedules(shell)
     lengths = {row["mark"]: row["length_cut_mm"] for row in tables["beams"]}
+    lengths |= {row["mark"]: row["height_mm"] for row in tables["nodes"]}
     seen = []
     for row in tables["bars"]:
         own = row["marks"].split()
@@ -181,8 +188,9 @@ def test_the_cut_list_has_every_beam_once_in_bars_that_hold_it() -> None:
         assert row["used_mm"] == pytest.approx(used)
         assert row["stock_mm"] in (3000.0, 6000.0)
         assert used + 4 * (len(own) - 1) + 2 * 15 <= row["stock_mm"] + 1e-6
-        assert re.findall(r"B-\d+", row["cuts"]) == own
+        assert re.findall(r"[BN]-\d+", row["cuts"]) == own
     assert sorted(seen) == sorted(lengths)
+    assert {row["profile"] for row in tables["stock"]} == {"FL 60x8", "round 40"}
     assert sum(tables["stock"].column("bars")) == len(tables["bars"])
     assert sum(tables["stock"].column("used_mm")) == pytest.approx(sum(lengths.values()))
 
@@ -190,7 +198,8 @@ def test_the_cut_list_has_every_beam_once_in_bars_that_hold_it() -> None:
 def test_a_beam_longer_than_all_stock_is_listed_without_one() -> None:
     shell = vertical(grid(1, 1, side=3000.0)).detail(stock={"length_mm": [2000]})
     tables = schedules(shell)
-    assert tables["bars"].column("stock_mm") == [None] * 4
+    beams = tables["bars"].filter(lambda row: row["marks"].startswith("B-"))
+    assert beams.column("stock_mm") == [None] * 4
     assert tables["stock"][0]["waste_percent"] == pytest.approx(0.0)
 
 

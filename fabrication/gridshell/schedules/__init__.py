@@ -11,21 +11,27 @@ A row names the columns of the usual shapes in their order, without values; the 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
+from fabrication.cutting import Stock
 from fabrication.families import families as make_families
 from fabrication.gridshell.bolt_lists import bolt_tables
 from fabrication.gridshell.detailing.gridshell import Gridshell
+from fabrication.gridshell.project import Project
 from fabrication.gridshell.schedules import beams, bolts, bom, cutting, joints, nodes, panels
 from fabrication.gridshell.schedules.beams import beam_rows
 from fabrication.gridshell.schedules.bom import bom_rows, size_rows
 from fabrication.gridshell.schedules.common import Masses, family_masses
-from fabrication.gridshell.schedules.cutting import cut_rows, usual_lengths
+from fabrication.gridshell.schedules.cutting import ROUND_MM, cut_rows, usual_lengths
 from fabrication.gridshell.schedules.joints import joint_rows
 from fabrication.gridshell.schedules.nodes import node_rows
 from fabrication.gridshell.schedules.panels import panel_rows
+from fabrication.parts.beam import BEAM
+from fabrication.parts.fastener import FASTENER
+from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
+from fabrication.project.sections import one_line
 from fabrication.specs import Family, Role
 from fabrication.table import Table
 
@@ -54,6 +60,9 @@ CONVENTIONS: Final = (
     "must not be ordered.",
 )
 """How signs, sides and counts go."""
+
+NO_GRADE: Final = "(grade not stated)"
+"""What an order needs and the project does not say."""
 
 __all__ = [
     "CONVENTIONS",
@@ -86,12 +95,10 @@ def schedules(
     if masses is None:
         masses = family_masses(families, project)
 
-    def material(role: Role) -> str:
-        return "glass" if role == PANEL.role else "steel"
-
-    bars, stock = cut_rows(families, project.stock.stock(usual_lengths(project.beam.section())))
+    made_of = materials(project)
+    bars, stock = cut_rows(families, _stock_of(project))
     found = {
-        "bom": (bom_rows(families, masses, material), bom.BOM),
+        "bom": (bom_rows(families, masses, made_of), bom.BOM),
         "panels": (panel_rows(gridshell, families, masses), panels.LEGEND),
         "sizes": (size_rows(families, masses), bom.SIZES),
         "joints": (joint_rows(gridshell), joints.LEGEND),
@@ -109,6 +116,28 @@ def schedules(
         if rows or name in always
     }
     return {**tables, **project.rates.table(quantities(gridshell, tables))}
+
+
+def materials(project: Project) -> dict[Role, str]:
+    """What parts of a role are made of, as it is ordered."""
+    beam, node, panel = project.beam.grade, project.node.grade, project.panel
+    glass = ", ".join(text for text in (f"glass {panel.build_up}".strip(), panel.grade) if text)
+    return {
+        BEAM.role: f"steel {one_line(beam) or NO_GRADE}",
+        NODE.role: f"steel {one_line(node) or NO_GRADE}",
+        PANEL.role: one_line(glass) if panel.grade else f"{glass} {NO_GRADE}",
+        FASTENER.role: "steel, as its designation says",
+    }
+
+
+def _stock_of(project: Project) -> Callable[[Role], Stock]:
+    """What bars of a role are cut from."""
+    usual = usual_lengths(project.beam.section())
+
+    def stock(role: Role) -> Stock:
+        return project.stock.stock(usual if role == BEAM.role else ROUND_MM)
+
+    return stock
 
 
 def quantities(

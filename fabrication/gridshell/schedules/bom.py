@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from fabrication.formats.tables import Legend
@@ -20,7 +20,7 @@ BOM: Final = Legend(
         "quantity": "how many pieces there are, rejected ones included",
         "description": "beams: profile and length to saw; nodes: diameter x length; panes: least "
         "rectangle x thickness [mm]",
-        "material": "what it is made of",
+        "material": "what it is made of: grade and treatment as the project states them",
         "unit_mass_kg": "mass of one piece",
         "mass_kg": "mass of all pieces",
         "marks": "the pieces of this number",
@@ -50,9 +50,7 @@ SIZES: Final = Legend(
 )
 
 
-def bom_rows(
-    families: Sequence[Family], masses: Masses, material: Callable[[Role], str]
-) -> list[Row]:
+def bom_rows(families: Sequence[Family], masses: Masses, material: Mapping[Role, str]) -> list[Row]:
     """A row a part number; `material` names what parts of a role are made of."""
     return [
         {
@@ -60,7 +58,7 @@ def bom_rows(
             "role": family.role,
             "quantity": len(family.instances),
             "description": described(family.shape.dimensions()),
-            "material": material(family.role),
+            "material": material.get(family.role, ""),
             "unit_mass_kg": masses[family.number],
             "mass_kg": masses[family.number] * len(family.instances),
             "marks": marks(family),

@@ -1,30 +1,31 @@
-"""The cut list: which beams come out of which bar of stock, and what it takes in all."""
+"""The cut list: which beams and nodes come out of which bar of stock, and what it takes in all."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Final
 
 from fabrication.cutting import Bar, Stock, cut_from_stock
 from fabrication.formats.tables import Legend
 from fabrication.gridshell.schedules.common import Row, instances_of
 from fabrication.parts.beam import BEAM
-from fabrication.specs import Family, Profile
+from fabrication.parts.node import NODE, NodeShape
+from fabrication.specs import Family, Profile, Role, Shape
 from fabrication.standards.profiles import stock_lengths
 
 BARS: Final = Legend(
     title="Cut list by stock",
-    about="a bar of stock, or so many that are cut alike, and the beams that come out of it",
+    about="a bar of stock, and the beams or nodes that come out of it",
     meanings={
-        "profile": "cross-section of the bar",
+        "profile": "cross-section of the bar; of nodes round or tube, with the diameter",
         "stock_mm": "length of the bar as it is bought; empty: no stock is long enough for the "
         "beam, "
         "to be spliced or ordered by length",
-        "quantity": "how many beams come out of the bar",
-        "used_mm": "lengths to saw of these beams, over all; bars are cut square, mitres after it",
+        "quantity": "how many pieces come out of the bar",
+        "used_mm": "lengths to saw of these pieces, over all; bars are cut square, mitres after it",
         "rest_mm": "what is left of the bar after its cuts and the trim of both ends",
-        "cuts": "mark and length to saw [mm] of each beam, the longest first",
-        "marks": "the beams",
+        "cuts": "mark and length to saw [mm] of each piece, the longest first",
+        "marks": "the pieces",
     },
     totals=("quantity", "stock_mm", "used_mm", "rest_mm"),
     unprinted=("marks",),
@@ -34,11 +35,11 @@ STOCK: Final = Legend(
     title="Stock to buy",
     about="bars of one profile and length: how many, and how much of them is waste",
     meanings={
-        "profile": "cross-section of the bars",
+        "profile": "cross-section of the bars; of nodes round or tube, with the diameter",
         "stock_mm": "length of a bar as it is bought; empty: by length",
         "bars": "how many bars",
-        "quantity": "how many beams come out of them",
-        "used_mm": "lengths to saw of these beams, over all",
+        "quantity": "how many pieces come out of them",
+        "used_mm": "lengths to saw of these pieces, over all",
         "bought_mm": "length of all these bars",
         "waste_percent": "what is bought and not used, of what is bought",
         "least_bars": "fewest bars of the longest stock from which all beams of the profile could "
@@ -63,29 +64,40 @@ def usual_lengths(section: Profile) -> tuple[float, ...]:
     return tuple(length for length in known if length <= TRANSPORT_MM)
 
 
-def cut_rows(families: Sequence[Family], stock: Stock) -> tuple[list[Row], list[Row]]:
-    """Rows of the bars, and of the stock to buy, by profile."""
-    pieces: dict[str, list[tuple[str, float]]] = {}
-    for family, instance in instances_of(families, BEAM):
-        about = family.shape.dimensions()
-        if "profile" in about:
-            own = pieces.setdefault(about["profile"], [])
-            own.append((instance.mark, about["length_cut_mm"]))
+ROUND_MM: Final = (6000.0,)
+"""Length [mm] in which round bars and tubes for nodes are usually delivered, as flat bars."""
+
+
+def cut_rows(
+    families: Sequence[Family], stock: Callable[[Role], Stock]
+) -> tuple[list[Row], list[Row]]:
+    """Rows of the bars, and of the stock to buy, by profile.
+
+    Parameters
+    ----------
+    stock : what bars of a role are cut from
+    """
+    pieces: dict[tuple[Role, str], list[tuple[str, float]]] = {}
+    for kind in (BEAM, NODE):
+        for family, instance in instances_of(families, kind):
+            if cut := _cut_of(family.shape):
+                profile, length = cut
+                pieces.setdefault((kind.role, profile), []).append((instance.mark, length))
     bars, bought = [], []
-    for profile, found in sorted(pieces.items()):
+    for (role, profile), found in sorted(pieces.items()):
         found.sort()
-        cutting = cut_from_stock([length for _, length in found], stock)
+        cutting = cut_from_stock([length for _, length in found], stock(role))
         bars += [_bar_row(profile, bar, found) for bar in cutting.bars]
         by_length: dict[float | None, list[Bar]] = {}
         for bar in cutting.bars:
             by_length.setdefault(bar.length, []).append(bar)
-        for length, alike in sorted(by_length.items(), key=lambda item: item[0] or 0.0):
+        for bought_as, alike in sorted(by_length.items(), key=lambda item: item[0] or 0.0):
             used = sum(found[k][1] for bar in alike for k in bar.pieces)
-            total = used if length is None else length * len(alike)
+            total = used if bought_as is None else bought_as * len(alike)
             bought.append(
                 {
                     "profile": profile,
-                    "stock_mm": length,
+                    "stock_mm": bought_as,
                     "bars": len(alike),
                     "quantity": sum(len(bar.pieces) for bar in alike),
                     "used_mm": used,
@@ -95,6 +107,20 @@ def cut_rows(families: Sequence[Family], stock: Stock) -> tuple[list[Row], list[
                 }
             )
     return bars, bought
+
+
+def _cut_of(shape: Shape) -> tuple[str, float] | None:
+    """Name of the bar that a part is cut from, and the length to saw; None where it is no bar."""
+    about = shape.dimensions()
+    if "profile" in about and "length_cut_mm" in about:
+        return str(about["profile"]), float(about["length_cut_mm"])
+    if isinstance(shape, NodeShape):
+        wall = shape.radius - shape.bore
+        name = (
+            f"tube {2 * shape.radius:g}x{wall:g}" if shape.bore else f"round {2 * shape.radius:g}"
+        )
+        return name, shape.z1 - shape.z0
+    return None
 
 
 def _bar_row(profile: str, bar: Bar, found: Sequence[tuple[str, float]]) -> Row:
