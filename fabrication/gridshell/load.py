@@ -11,9 +11,9 @@ from pydantic import ValidationError
 from ddgfab.forms.registry import ParameterError, find_generator, kinds
 from ddgfab.surfaces.analytic import SURFACES, surface_parameters
 from fabrication.gridshell.net_settings import MESH, SURFACE, NetSettings
-from fabrication.gridshell.project import Project
+from fabrication.gridshell.project import BeamRule, Project
 from fabrication.project.load import explain, sections_in, show, unknown
-from fabrication.project.read import Changes, Origin, read_changed
+from fabrication.project.read import Changes, Origin, changed, read_toml
 from fabrication.surfaces_in.find import CAD_SUFFIXES
 
 KIT = "linkage"
@@ -34,8 +34,10 @@ def load_project(path: str | Path, changes: Changes | None = None) -> Project:
         A file that is missing, no TOML, or has an unknown key or a wrong value; names file, line,
         key, value, limit, and the nearest known key.
     """
-    values, origin = read_changed(path, changes)
-    return _project(values, Path(path), origin)
+    values, text = read_toml(Path(path))
+    values = _with_rules(values, Origin(str(path), text))
+    keys = frozenset((section, key) for section, own in (changes or {}).items() for key in own)
+    return _project(changed(values, changes), Path(path), Origin(str(path), text, keys))
 
 
 def project_for_mesh(path: str | Path, sections: Mapping[str, Any] | None = None) -> Project:
@@ -66,7 +68,7 @@ def make_project(sections: Mapping[str, Any]) -> Project:
 def _project(values: Mapping[str, Any], file: Path | None, origin: Origin) -> Project:
     if KIT in values:
         raise origin.error("[linkage] is for a kit: ddgfab linkage", KIT)
-    sections = sections_in(values, Project, origin)
+    sections = sections_in(_with_rules(values, origin), Project, origin)
     for section in ("beam", "node"):
         if "bolt" in sections.get(section, {}):
             raise origin.error(
@@ -97,6 +99,36 @@ def _project(values: Mapping[str, Any], file: Path | None, origin: Origin) -> Pr
         return Project.model_validate({**sections, "file": file}, strict=None)
     except ValidationError as error:
         raise explain(error, Project, origin) from None
+
+
+def _with_rules(values: Mapping[str, Any], origin: Origin) -> dict[str, Any]:
+    """[[beam]] tables as one section: that without `where`, and the others as its rules."""
+    tables = values.get("beam")
+    if not isinstance(tables, list) or not all(isinstance(t, Mapping) for t in tables):
+        return dict(values)
+    plain = [table for table in tables if "where" not in table]
+    if len(plain) > 1:
+        raise origin.error(
+            f"{len(plain)} [[beam]] tables have no where: one is for all beams, the others need "
+            'where = "boundary" or edge numbers',
+            "beam",
+        )
+    own = dict(plain[0]) if plain else {}
+    if "rules" in own:
+        raise origin.error("[[beam]] rules: give each rule a [[beam]] table of its own", "beam")
+    rules = [dict(table) for table in tables if "where" in table]
+    known = BeamRule.keys()
+    for number, rule in enumerate(rules, 1):
+        for key in rule:
+            if key not in known:
+                raise origin.error(
+                    f"[[beam]] rule {number}: {unknown(key, key, known)}; tables with where change "
+                    "the profile",
+                    "beam",
+                )
+        if missing := sorted(known - set(rule)):
+            raise origin.error(f"[[beam]] rule {number} needs {missing[0]}", "beam")
+    return {**values, "beam": {**own, "rules": rules}}
 
 
 def _traced(net: dict[str, Any], origin: Origin) -> dict[str, Any]:

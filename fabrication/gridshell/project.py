@@ -50,6 +50,29 @@ def _section(value: str | list[list[float | int]]) -> Profile:
     return profile(value) if isinstance(value, str) else polygon(value)
 
 
+class BeamRule(Section):
+    """[[beam]] with `where`: beams of one place.
+
+    Attributes
+    ----------
+    where : "boundary", or edge numbers as in beams.csv
+    profile : as in [beam]
+    """
+
+    where: Literal["boundary"] | Annotated[tuple[int, ...], Field(strict=False)]
+    profile: str | list[list[float | int]]
+
+    @field_validator("profile")
+    @classmethod
+    def _exists(cls, value: str | list[list[float | int]]) -> str | list[list[float | int]]:
+        _section(value)
+        return value
+
+    def section(self) -> Profile:
+        """The cross-section itself."""
+        return _section(self.profile)
+
+
 class BeamSettings(Section):
     """[beam].
 
@@ -62,6 +85,7 @@ class BeamSettings(Section):
     clearance_mm : between the cut and the node; 0.5 leaves room for paint and length tolerance
     min_length_mm : least length between the cuts
     grade : for the order: steel grade and what is done to the surface, "S355J2, galvanized"
+    rules : profiles of beams of one place; in a file [[beam]] tables, the first without `where`
     density : kg/m3; default steel, EN 1991-1-1
     """
 
@@ -71,6 +95,7 @@ class BeamSettings(Section):
     clearance_mm: NotNegative = 0.5
     min_length_mm: Positive = 100.0
     grade: str = ""
+    rules: tuple[BeamRule, ...] = Field(default=(), strict=False)
     density: Positive = density("steel")
 
     @field_validator("profile")

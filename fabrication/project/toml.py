@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 
 def toml_text(value: Any) -> str:
     """A value as it stands in a TOML file.
@@ -22,6 +24,8 @@ def toml_text(value: Any) -> str:
         return f"{value:.0f}" if value.is_integer() and abs(value) < 1e15 else _real(value)
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(toml_text, value))}]"
+    if isinstance(value, BaseModel):
+        value = value.model_dump()
     if isinstance(value, Mapping):
         inner = ", ".join(f"{toml_key(key)} = {toml_text(item)}" for key, item in value.items())
         return f"{{ {inner} }}" if inner else "{}"

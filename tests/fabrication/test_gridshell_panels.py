@@ -15,6 +15,7 @@ from fabrication.gridshell.detailing.clearance import steel_heights
 from fabrication.gridshell.detailing.frames import edge_frames
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.detailing.panels import face_planes
+from fabrication.gridshell.detailing.sections import beam_sections
 from fabrication.gridshell.pieces import Panel
 from fabrication.solids.polygon import area, least_rectangle, turns
 
@@ -124,7 +125,7 @@ def test_steel_includes_the_near_flank_of_wide_beams() -> None:
         frames,
         np.full(case.mesh.n_vertices, -1e3),
         replace(shell.size, radius=0.0),
-        shell.beams[0].shape.profile,
+        beam_sections(case.mesh, shell.project),
         shell.project,
     )
     for panel in shell.panels:

@@ -17,11 +17,11 @@ from fabrication.gridshell.detailing.frames import (
     panel_mark,
 )
 from fabrication.gridshell.detailing.nodes.base import NodeSize
+from fabrication.gridshell.detailing.sections import Sections
 from fabrication.gridshell.pieces import Beam
 from fabrication.gridshell.project import Project
 from fabrication.parts.beam import BeamShape, CrossHole, EndCut, SlotEnd
-from fabrication.specs import Check, Profile
-from fabrication.standards.profiles import z_range
+from fabrication.specs import Check
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ def beam_specs(
     frames: EdgeFrames,
     cuts: Cuts,
     size: NodeSize,
-    profile: Profile,
+    sections: Sections,
     joined: Joined,
     project: Project,
 ) -> tuple[Beam, ...]:
@@ -63,7 +63,7 @@ def beam_specs(
     DetailError
         A beam shorter than the project's least length, or than its connections.
     """
-    _check_lengths(mesh, frames, cuts, profile, joined, project)
+    _check_lengths(mesh, frames, cuts, sections, joined, project)
     _check_coped(frames, project)
     placements = np.zeros((mesh.n_edges, 4, 4))
     placements[:, :3, 0], placements[:, :3, 1], placements[:, :3, 2] = frames.x, frames.y, frames.z
@@ -76,7 +76,8 @@ def beam_specs(
     radius = size.cut if project.beam.end == "cope" else None
     tongue = joined.tongue
     slot = None if tongue is None else SlotEnd(tongue.slot, tongue.depth)
-    holes = [] if tongue is None else _cross_holes(frames, lengths, profile, tongue)
+    holes = [] if tongue is None else _cross_holes(frames, lengths, sections, tongue)
+    profiles, of_edge = sections.profiles, sections.of_edge.tolist()
     limit = project.checks.torsion_deg
     glass = project.panel.kind != "none"
     beams = []
@@ -95,7 +96,7 @@ def beam_specs(
         )
     ):
         shape = BeamShape(
-            profile,
+            profiles[of_edge[e]],
             EndCut(0.0, slope[0], radius, skew[0], joined.end, slot),
             EndCut(x, slope[1], radius, skew[1], joined.end, slot),
             holes[e] if holes else (),
@@ -125,18 +126,17 @@ def _check_lengths(
     mesh: Mesh,
     frames: EdgeFrames,
     cuts: Cuts,
-    profile: Profile,
+    sections: Sections,
     joined: Joined,
     project: Project,
 ) -> None:
     """Raise where the shortest fibre from cut to cut is below the least length."""
-    low, high = z_range(profile)
     least = np.minimum(
         *(
             cuts.x[:, 1] - cuts.x[:, 0] + z * (frames.slope[:, 1] - frames.slope[:, 0])
-            for z in (low, high)
+            for z in (sections.low, sections.high)
         )
-    ) - 0.5 * profile.width * np.abs(frames.skew[:, 1] - frames.skew[:, 0])
+    ) - 0.5 * sections.width * np.abs(frames.skew[:, 1] - frames.skew[:, 0])
     limit = max(project.beam.min_length_mm, 2.0 * joined.end_length)
     short = np.flatnonzero(least < limit)
     if len(short):
@@ -164,10 +164,10 @@ def _check_coped(frames: EdgeFrames, project: Project) -> None:
 
 
 def _cross_holes(
-    frames: EdgeFrames, lengths: Floats, profile: Profile, tongue: Tongue
+    frames: EdgeFrames, lengths: Floats, sections: Sections, tongue: Tongue
 ) -> list[tuple[CrossHole, ...]]:
     """The holes of every beam for its tongues, in the middle of its depth, along x."""
-    z = 0.5 * sum(z_range(profile))
+    z = 0.5 * float(sections.low[0] + sections.high[0])
     stretch = np.hypot(1.0, frames.slope)
     steps = np.array(tongue.steps)
     start = frames.slope[:, :1] * z + stretch[:, :1] * steps

@@ -10,9 +10,8 @@ from ddgfab.mesh import Floats, Mesh
 from fabrication.gridshell.detailing.frames import EdgeFrames, panel_mark
 from fabrication.gridshell.detailing.nodes.base import NodeSize
 from fabrication.gridshell.detailing.panels import Planes, outward_normals
+from fabrication.gridshell.detailing.sections import Sections
 from fabrication.gridshell.project import Project
-from fabrication.specs import Profile
-from fabrication.standards.profiles import z_range
 
 PANEL_CLEARANCE: Final = 3.0
 """Room [mm] between a pane's inner surface and the steel below: a strip of sealant or silicone."""
@@ -34,7 +33,7 @@ def steel_heights(
     frames: EdgeFrames,
     tops: Floats,
     size: NodeSize,
-    profile: Profile,
+    sections: Sections,
     project: Project,
 ) -> Floats:
     """(F,) upper bound [mm] of the height of beams and nodes above each face's plane.
@@ -47,8 +46,8 @@ def steel_heights(
     here = mesh.vertices[mesh.corners] - planes.origin[face]
     corner = np.einsum("ci,ci->c", here, z)
     both = np.maximum(corner, corner[mesh.corner_next])
-    up = project.beam.eccentricity_mm + z_range(profile)[1]
-    flank = -0.5 * profile.width * np.einsum("ci,ci->c", outward_normals(mesh, frames), z)
+    up = project.beam.eccentricity_mm + sections.high[edge]
+    flank = -0.5 * sections.width[edge] * np.einsum("ci,ci->c", outward_normals(mesh, frames), z)
     beams = both + up * np.einsum("ci,ci->c", frames.z[edge], z) + np.maximum(flank, 0.0)
     upright = np.einsum("ci,ci->c", axes[mesh.corners], z)
     tilt = np.sqrt(np.maximum(1.0 - upright**2, 0.0))

@@ -23,6 +23,7 @@ from fabrication.gridshell.detailing.nodes.heights import end_heights, node_ends
 from fabrication.gridshell.detailing.nodes.pieces import node_specs
 from fabrication.gridshell.detailing.nodes.registry import find
 from fabrication.gridshell.detailing.panels import face_planes, not_flat, panel_specs
+from fabrication.gridshell.detailing.sections import beam_sections
 from fabrication.gridshell.load import make_project
 from fabrication.gridshell.pieces import Beam, Bolt, FastenerPiece, Node, Panel
 from fabrication.gridshell.project import Project
@@ -121,14 +122,15 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     frames = edge_frames(mesh, axes)
     arms = arms_of(mesh, axes, frames)
     connection = connections.find(project.connection.kind).of(project)
-    width = arm_width(frames, profile, project)
+    sections = beam_sections(mesh, project)
+    width = max(arm_width(frames, section, project) for section in sections.profiles)
     joints = Joints(frames, arms, width, profile, project, connection)
     connection.check(joints)
     size = find(project.node.kind).fit(joints)
     joined = connection.fit(joints, size)
     cuts = end_cuts(frames, size, project.beam.eccentricity_mm)
-    beams = beam_specs(mesh, frames, cuts, size, profile, joined, project)
-    low, middle, high = end_heights(frames, arms, size, profile, project)
+    beams = beam_specs(mesh, frames, cuts, size, sections, joined, project)
+    low, middle, high = end_heights(frames, arms, size, sections, project)
     ends = size.ends(joints, *node_ends(mesh, arms, low, high, project))
     nodes = node_specs(mesh, axes, joints, size, joined, ends, middle)
     bolts = bolt_specs(mesh, axes, joints, size, joined, middle)
@@ -136,7 +138,7 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     offset, problem = 0.0, None
     if project.panel.kind != "none":
         planes = face_planes(mesh)
-        heights = steel_heights(mesh, axes, planes, frames, ends[1], size, profile, project)
+        heights = steel_heights(mesh, axes, planes, frames, ends[1], size, sections, project)
         offset, problem = panel_offset(heights, project)
         panels = panel_specs(mesh, planes, frames, offset, project)
     close = close_arms(arms, project.checks.min_angle_deg)

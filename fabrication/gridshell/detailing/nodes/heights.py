@@ -10,8 +10,8 @@ from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats, Mesh
 from fabrication.gridshell.detailing.frames import Arms, EdgeFrames
 from fabrication.gridshell.detailing.nodes.base import NodeSize
+from fabrication.gridshell.detailing.sections import Sections
 from fabrication.gridshell.project import Project
-from fabrication.specs import Profile
 from fabrication.standards.profiles import z_range
 
 STEP_SLACK: Final = 1e-6
@@ -22,7 +22,7 @@ OFF_MIDDLE: Final = 1e-6
 
 
 def end_heights(
-    frames: EdgeFrames, arms: Arms, size: NodeSize, profile: Profile, project: Project
+    frames: EdgeFrames, arms: Arms, size: NodeSize, sections: Sections, project: Project
 ) -> tuple[Floats, Floats, Floats]:
     """Lowest, middle and highest point (A,) [mm] of each arm's end face along its node axis.
 
@@ -36,13 +36,13 @@ def end_heights(
         Bolts in the nodes, but rolled beams that are not centered on their edges.
     """
     if frames.twisted:
-        return _rolled_heights(frames, arms, size, profile, project)
+        return _rolled_heights(frames, arms, size, sections, project)
     slope = frames.slope[arms.edge, arms.end] * (1 - 2 * arms.end)
     stretch = np.hypot(1.0, slope)
-    low, high = (z + project.beam.eccentricity_mm for z in z_range(profile))
-    near = size.cut
+    low, high = _levels(arms, sections, project)
+    near: float | Floats = size.cut
     if project.beam.end == "cope":  # the corners of a coped end lie nearer to the axis plane
-        near = (size.cut**2 - 0.25 * profile.width**2) ** 0.5
+        near = np.sqrt(size.cut**2 - 0.25 * sections.width[arms.edge] ** 2)
     reach = np.stack([slope * near, slope * size.cut])
     return (
         reach.min(axis=0) + low * stretch,
@@ -52,7 +52,7 @@ def end_heights(
 
 
 def _rolled_heights(
-    frames: EdgeFrames, arms: Arms, size: NodeSize, profile: Profile, project: Project
+    frames: EdgeFrames, arms: Arms, size: NodeSize, sections: Sections, project: Project
 ) -> tuple[Floats, Floats, Floats]:
     """As `end_heights`, for node axes along (lean, sin(roll), cos(roll)) in the beam's frame.
 
@@ -65,16 +65,23 @@ def _rolled_heights(
     away = (1 - 2 * arms.end) * lean * size.cut
     by_z = (lean * slope + np.cos(roll)) * unit
     by_y = np.abs(lean * skew + np.sin(roll)) * unit
-    low, high = (z + project.beam.eccentricity_mm for z in z_range(profile))
-    if project.connection.kind != "welded" and abs(low + high) > OFF_MIDDLE:
+    low, high = _levels(arms, sections, project)
+    off, profile = float(np.abs(low + high).max()), sections.profiles[0]
+    if project.connection.kind != "welded" and off > OFF_MIDDLE:
         raise DetailError(
-            f"beams are rolled by torsion about the mesh edges, {0.5 * abs(low + high):.6g} mm "
+            f"beams are rolled by torsion about the mesh edges, {0.5 * off:.6g} mm "
             f"from the middle of {profile.name}: bolts there miss the node axes\n"
             f"set [beam] eccentricity_mm = {-0.5 * sum(z_range(profile)):g}"
         )
     both = np.stack([low * by_z, high * by_z])
-    half = 0.5 * profile.width * by_y
+    half = 0.5 * sections.width[arms.edge] * by_y
     return away + both.min(axis=0) - half, away + both.mean(axis=0), away + both.max(axis=0) + half
+
+
+def _levels(arms: Arms, sections: Sections, project: Project) -> tuple[Floats, Floats]:
+    """Lowest and highest z (A,) [mm] of each arm's beam above its edge."""
+    shift = project.beam.eccentricity_mm
+    return sections.low[arms.edge] + shift, sections.high[arms.edge] + shift
 
 
 def node_ends(
