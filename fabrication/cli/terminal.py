@@ -19,9 +19,12 @@ from fabrication.cli.steps import Steps
 if TYPE_CHECKING:
     from fabrication.progress import Progress
 
-DONE, FAILED, BAD_INPUT, FAULT, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 130, 143
+DONE, FAILED, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes: every check passed; a check failed; bad usage or input; a fault of the program; ended
-by Ctrl-C; ended by SIGTERM."""
+by Ctrl-C. Other signals that end it, SIGTERM and the SIGHUP of a terminal that is closed: 128 and
+their number."""
+
+_ENDING: Final = ("SIGTERM", "SIGHUP")
 
 _REASON: Final = re.compile(r"Invalid value for '?(?P<what>[^']*?)'?: Input should be (?P<how>.*)")
 _EXTRA: Final = re.compile(r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)", re.DOTALL)
@@ -104,10 +107,14 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
 
     def stop(signum: int, frame: object) -> None:
         nonlocal ended
-        ended = TERMINATED
+        ended = 128 + signum
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, stop)
+    before: dict[int, Any] = {}
+    for name in _ENDING:
+        number = getattr(signal, name, None)  # Windows has no SIGHUP; `nohup` ignores it
+        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+            before[number] = signal.signal(number, stop)
     try:
         yield
     except (typer.Exit, typer.Abort, typer.TyperException):
@@ -143,7 +150,8 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
         )
         raise typer.Exit(FAULT) from None
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _limits_text(error: Exception) -> str | None:

@@ -17,6 +17,7 @@ from ddgfab.errors import InputError, OutputError, clipped
 from fabrication.job.exchange import holds_mounts, sync_file_system
 from fabrication.job.lock import FolderLock
 from fabrication.job.manifest import MANIFEST, faults, made_from, read_manifest
+from fabrication.job.names import windows_fault
 from fabrication.job.others import WORK
 from fabrication.job.place import NEW, discard, put_in_place, recover
 from fabrication.job.sources import Sources, source_of
@@ -101,6 +102,8 @@ class OutputFolder:
 
     def check(self) -> None:
         """Raise OutputError where entering would, as far as can be found without writing."""
+        if os.name == "nt" and (why := windows_fault(os.fspath(self.target))):
+            raise OutputError(f"{self.target}: {why}; choose another folder with -o")
         try:
             self._require_usable()
             above = next(
@@ -261,7 +264,7 @@ def _is_fixed(target: Path) -> bool:
 
 @contextmanager
 def _interrupts_later() -> Iterator[None]:
-    """Ctrl-C and SIGTERM wait for the end of the block, which is short (in the main thread)."""
+    """Ctrl-C, SIGTERM and SIGHUP wait for the end of the block, which is short (main thread)."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -271,8 +274,12 @@ def _interrupts_later() -> Iterator[None]:
         came.append(number)
 
     before: dict[int, Any] = {}
-    for number in (signal.SIGINT, signal.SIGTERM):
-        if signal.getsignal(number) is not None:  # else one that Python did not set
+    ending = ("SIGINT", "SIGTERM", "SIGHUP")
+    for number in (getattr(signal, name) for name in ending if hasattr(signal, name)):
+        if signal.getsignal(number) not in (
+            None,
+            signal.SIG_IGN,
+        ):  # else one that Python did not set
             before[number] = signal.signal(number, later)
     try:
         yield

@@ -8,12 +8,21 @@ import os
 import re
 import unicodedata
 from contextlib import suppress
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import Final
 
-_RESERVED: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[\d¹²³])(\..*)?", re.IGNORECASE)
+from ddgfab.errors import clipped
+
+_RESERVED: Final = re.compile(
+    r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[\d¹²³]) *(\..*)?", re.IGNORECASE | re.DOTALL
+)
 _LONGEST: Final = 180
 """Bytes of a name; file systems have 255, and hidden names beside it are longer."""
+_LONGEST_PATH: Final = 259
+"""Characters of a path that Windows takes unless it was told to take longer ones."""
+_INSIDE: Final = 90
+"""Characters of the longest path below an output folder, in its working folder."""
+_FORBIDDEN: Final = re.compile(r'[<>:"|?*\x00-\x1f]')
 _NO_NAME: Final = (errno.EILSEQ, errno.EINVAL, errno.ENAMETOOLONG)
 
 
@@ -50,6 +59,26 @@ def folder_for(parent: Path, text: str) -> Path:
         if error.errno in _NO_NAME:
             return parent / _plain(name)
     return parent / name
+
+
+def windows_fault(path: str) -> str | None:
+    """Why Windows cannot have an output folder at an absolute path; None where it can.
+
+    The names of devices, a dot or space at the end and characters that Windows keeps for itself
+    lead to another place, or to none; a path that is too long fails in the middle of a job.
+    """
+    whole = PureWindowsPath(path)
+    for part in whole.parts[1 if whole.anchor else 0 :]:
+        if found := _FORBIDDEN.search(part):
+            return f"{clipped(part)} has the character {clipped(found[0])}"
+        if _RESERVED.fullmatch(part.rstrip(" .")) or _RESERVED.fullmatch(part):
+            return f"{clipped(part)} is the name of a device"
+        if part not in (".", "..") and part[-1] in " .":
+            return f"{clipped(part)} ends with a {'dot' if part[-1] == '.' else 'space'}"
+    if len(path) + _INSIDE > _LONGEST_PATH:
+        most = _LONGEST_PATH - _INSIDE
+        return f"its {len(path)} characters leave no room for file names (at most {most})"
+    return None
 
 
 def _kept(character: str) -> bool:

@@ -11,7 +11,7 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from multiprocessing import active_children, get_context, parent_process
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from ddgfab.errors import DdgError
 
@@ -152,10 +152,10 @@ class _Executor(ProcessPoolExecutor):
 
     def __init__(self, count: int, kernel: bool) -> None:
         self._others = active_children()
-        super().__init__(
-            count, mp_context=get_context("spawn"), initializer=_begin, initargs=(kernel,)
-        )
-        with _interrupts_ignored():  # inherited by the workers
+        with _interrupts_ignored():  # inherited by the workers, and what multiprocessing starts
+            super().__init__(
+                count, mp_context=get_context("spawn"), initializer=_begin, initargs=(kernel,)
+            )
             for _ in range(count):
                 with suppress(BrokenProcessPool):  # one that dies at once is found when it is used
                     self.submit(_ready)
@@ -189,25 +189,33 @@ class _Here:
         """Nothing runs."""
 
 
+_OF_TERMINALS: Final = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)
+)
+"""Signals that a terminal sends to all processes of a job: the first of them ends the others."""
+
+
 @contextmanager
 def _interrupts_ignored() -> Iterator[None]:
-    """SIGINT ignored in this process, where it may be changed (the main thread)."""
+    """SIGINT and SIGHUP ignored in this process, where they may be (the main thread)."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in _OF_TERMINALS}
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _begin(kernel: bool) -> None:
     """Of a worker: end with the parent; if asked, load the kernel and keep it quiet."""
     from fabrication.formats.step.apart import expendable
 
-    with suppress(ValueError):
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in _OF_TERMINALS:
+        with suppress(ValueError):
+            signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     expendable()
     if not kernel:

@@ -216,7 +216,7 @@ def test_another_project_is_replaced_only_by_force(roof: Path, tmp_path: Path) -
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_stopping_a_job_leaves_nothing(number: signal.Signals, tmp_path: Path) -> None:
     """A real process with two workers, stopped while parts are made."""
     write_obj(tmp_path / "roof.obj", canopy(panels_along=40, panels_across=20))

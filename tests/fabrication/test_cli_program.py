@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ddgfab.forms import canopy
-from ddgfab.io import write_obj
+from ddgfab.io import read_mesh, write_obj
 from fabrication.cli import app
 from fabrication.version import package_version
 
@@ -75,6 +77,33 @@ def test_a_full_disk_is_one_message(words: list[str]) -> None:
     assert job.returncode == 2, said
     assert said.startswith("error: output cannot be written")
     assert said.count("\n") == 1
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="closes streams by their numbers")
+@pytest.mark.parametrize(
+    ("closed", "mesh", "code"),
+    [((1,), "roof.obj", 0), ((0, 1, 2), "roof.obj", 0), ((1, 2), "none.obj", 2)],
+)
+def test_streams_that_are_closed_are_no_fault(
+    closed: tuple[int, ...], mesh: str, code: int, tmp_path: Path
+) -> None:
+    """As with `>&-`; the files of a job do not get what is printed."""
+    write_obj(tmp_path / "roof.obj", canopy(panels_along=4, panels_across=3))
+    words = ["optimize", mesh, "-o", "flat.obj", "--goal", "planar"]
+    numbers = " ".join(f"{number}>&-" for number in closed)
+    command = " ".join([*map(shlex.quote, [*PROGRAM, *words]), numbers])
+    job = subprocess.run(
+        ["/bin/sh", "-c", command],
+        cwd=tmp_path,
+        capture_output=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+    assert job.returncode == code, job.stderr
+    assert b"Traceback" not in job.stderr
+    if code == 0:
+        assert read_mesh(tmp_path / "flat.obj").mesh.n_faces == 12
 
 
 @pytest.mark.slow

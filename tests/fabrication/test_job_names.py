@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import errno
 import os
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import Any
 
 import pytest
 
-from fabrication.job.names import folder_for, safe_name
+from fabrication import kit
+from fabrication.gridshell.design import Design
+from fabrication.job.names import folder_for, safe_name, windows_fault
+from fabrication.job.plan import plan_job
 
 TEXTS = [
     "../../etc/passwd",
@@ -49,6 +52,55 @@ def test_long_names_keep_what_fits(letter: str) -> None:
     name = safe_name(500 * letter)
     assert 180 - 10 < len(name.encode()) <= 180
     assert set(name[:-9]) == {letter}
+
+
+@pytest.mark.parametrize("text", [*TEXTS, "con", "CON.a.b", "LPT9", "aux ", "a.", "b ", "CONIN$"])
+def test_safe_names_are_names_on_windows_too(text: str) -> None:
+    assert windows_fault("C:\\work\\outputs\\" + safe_name(text)[:60]) is None
+    assert PureWindowsPath(safe_name(text)).parts == (safe_name(text),)
+
+
+@pytest.mark.parametrize(
+    ("path", "why"),
+    [
+        ("C:\\work\\CON", "name of a device"),
+        ("C:\\work\\nul.txt\\out", "name of a device"),
+        ("C:\\work\\com1", "name of a device"),
+        ("C:\\work\\LPT³", "name of a device"),
+        ("C:\\work\\aux .x", "name of a device"),
+        ("C:\\work\\conout$", "name of a device"),
+        ("C:\\work\\out.", "ends with a dot"),
+        ("C:\\work\\out ", "ends with a space"),
+        ("C:\\work\\a:b", "has the character :"),
+        ("C:\\work\\what?", "has the character ?"),
+        ("C:\\work\\a\tb", "has the character"),
+        ("\\\\server\\share\\a|b", "has the character |"),
+        ("C:\\" + "d" * 170, "characters leave no room"),
+        ("C:\\work\\out", None),
+        ("C:/work/out", None),
+        ("\\\\server\\share\\out", None),
+        ("D:\\Dach über\\東京", None),
+        ("C:\\work\\console", None),
+        ("C:\\work\\com10", None),
+        ("C:\\" + "d" * 160, None),
+    ],
+)
+def test_places_that_windows_cannot_have(path: str, why: str | None) -> None:
+    found = windows_fault(path)
+    assert found == why or (why is not None and found is not None and why in found)
+
+
+@pytest.mark.slow
+def test_every_file_of_a_job_has_a_name_on_windows(small_design: Design) -> None:
+    """Also where capitals are not told apart, in the longest output folder."""
+    plans = [plan_job(made.product(), "out") for made in (small_design, kit(None))]
+    for plan in plans:
+        files = [*plan.files, "manifest.json", "run.json"]
+        assert len({name.casefold() for name in files}) == len(files)
+        for name in files:
+            assert windows_fault("C:\\" + name.replace("/", "\\")) is None
+            work = ".ddgfab/new-0123456789abcdef/rejected/"
+            assert len(work + name) < 90
 
 
 def test_every_project_has_a_name_of_its_own() -> None:
