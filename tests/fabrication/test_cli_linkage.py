@@ -37,7 +37,8 @@ def test_alone_it_makes_the_default_bennett_kit(tmp_path: Path) -> None:
     assert manifest["settings"]["linkage"]["a_mm"] == 100
     assert {record["path"] for record in manifest["files"]} == {
         "preview.png",
-        *(f"schedules/{name}.csv" for name in ("bom", "links", "hinges", "assembly")),
+        *(f"schedules/{name}.csv" for name in ("bom", "links", "hinges", "assembly", "rods")),
+        "schedules/columns.csv",
     }
 
 

@@ -173,11 +173,9 @@ def test_our_folder_is_replaced_whole(small_design: Design, tmp_path: Path) -> N
     assert (first.folder / "model.glb").exists()
     again = design(barrel(), project={"name": "barrel"}, output={"formats": ["csv"]})
     plain = make(again, tmp_path / "out")
-    assert sorted(p.name for p in plain.folder.rglob("*.csv")) == [
-        "beams.csv",
-        "nodes.csv",
-        "panels.csv",
-    ]
+    assert sorted(p.stem for p in plain.folder.rglob("*.csv")) == sorted(
+        [*small_design.schedules, "columns"]
+    )
     assert not (plain.folder / "model.glb").exists()
     assert [p.name for p in tmp_path.iterdir()] == ["out"]
 
