@@ -22,7 +22,7 @@ from fabrication.linkage.printing import PRINTED_CHORD_MM, laid_out
 from fabrication.linkage.project import KitProject, kit_kinds, load_kit_project, make_kit_project
 from fabrication.linkage.schedules import kit_schedules, marks_of
 from fabrication.linkage.widen import MovingLinkage, moved, widened
-from fabrication.motion.free_range import Contact, FreeMotion
+from fabrication.motion.free_range import FreeMotion
 from fabrication.parts.pin import PIN
 from fabrication.progress import Progress, silent
 from fabrication.solids import mesh_of
@@ -134,10 +134,10 @@ class Kit:
             ("design pose", f"{design:.2f} deg"),
         ]
         for end, contacts in (("ends below", motion.below), ("ends above", motion.above)):
-            facts += [(end, contact_text(contact)) for contact in contacts[:SHOWN]]
+            facts += [(end, contact.text()) for contact in contacts[:SHOWN]]
             if len(contacts) > SHOWN:
                 facts.append((end, f"and {len(contacts) - SHOWN} more pairs"))
-        facts += [("tightest within", contact_text(contact)) for contact in motion.tightest[:1]]
+        facts += [("tightest within", contact.text()) for contact in motion.tightest[:1]]
         facts += [("certificate", motion.certificate), ("path", mechanism.path)]
         facts += [("folded at", f"{np.degrees(t):.2f} deg: {what}") for t, what in self._dead]
         return facts
@@ -171,8 +171,8 @@ class Kit:
             "free_deg": [degrees(motion.low), degrees(motion.high)],
             "certified": motion.proven,
             "certificate": motion.certificate,
-            "contacts": [contact_record(contact) for contact in motion.contacts],
-            "tightest": [contact_record(contact) for contact in motion.tightest],
+            "contacts": [contact.to_dict() for contact in motion.contacts],
+            "tightest": [contact.to_dict() for contact in motion.tightest],
         }
 
     def angles(self, count: int) -> Floats:
@@ -331,23 +331,3 @@ def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
     printed, filled = laid_out(families, meshes, found.linkage.settings, project.printer.bed())
     lap("print plates", begin)
     return Kit(project, mechanism, found, printed, filled, seconds)
-
-
-def contact_text(contact: Contact) -> str:
-    """Which parts meet, where and at what angle."""
-    where = ", ".join(f"{value:.1f}" for value in contact.point)
-    return (
-        f"{contact.marks[0]} and {contact.marks[1]} at {np.degrees(contact.t):.2f} deg: "
-        f"{contact.gap:.2f} mm apart (limit {contact.limit:g} mm), near ({where})"
-    )
-
-
-def contact_record(contact: Contact) -> dict[str, Any]:
-    """The same as plain values."""
-    return {
-        "parts": list(contact.marks),
-        "angle_deg": round(float(np.degrees(contact.t)), 6),
-        "gap_mm": round(contact.gap, 6),
-        "limit_mm": contact.limit,
-        "point_mm": [round(value, 3) for value in contact.point],
-    }

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 
@@ -43,6 +43,24 @@ class Contact:
     limit: float
     point: tuple[float, float, float]
     along: tuple[float, float]
+
+    def text(self) -> str:
+        """Which bodies meet, where and at what angle."""
+        where = ", ".join(f"{value:.1f}" for value in self.point)
+        return (
+            f"{self.marks[0]} and {self.marks[1]} at {np.degrees(self.t):.2f} deg: "
+            f"{self.gap:.2f} mm apart (limit {self.limit:g} mm), near ({where})"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as plain values."""
+        return {
+            "parts": list(self.marks),
+            "angle_deg": round(float(np.degrees(self.t)), 6),
+            "gap_mm": round(self.gap, 6),
+            "limit_mm": self.limit,
+            "point_mm": [round(value, 3) for value in self.point],
+        }
 
 
 @dataclass(frozen=True)
