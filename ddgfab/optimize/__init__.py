@@ -5,7 +5,8 @@ from __future__ import annotations
 from ddgfab.measures import interior_angles
 from ddgfab.optimize.change import Change
 from ddgfab.optimize.energy import Keep
-from ddgfab.optimize.families_goal import FamiliesResult, families
+from ddgfab.optimize.families_goal import families
+from ddgfab.optimize.families_result import FamiliesResult
 from ddgfab.optimize.forecast import forecast_text
 from ddgfab.optimize.goal import NetGoal, Wishes
 from ddgfab.optimize.goals import Goal, expected, optimize

@@ -79,6 +79,8 @@ def advice_of(
     if limits.kinds(result.change) == {"pane"}:
         size = np.multiply(limits.pane or (), misfit(result.mesh, limits.pane or (1, 1)).max())
         return (("max_pane", tuple(float(f"{1.01 * v:.3g}") for v in size)),)
+    if "stretch" in limits.kinds(result.change) and easier is not None:
+        return (easier,)
     if way := other_way(result, keep, limits):
         return way
     if keep != "close" and not (isinstance(keep, float | int) and keep <= 0.2):
@@ -150,7 +152,8 @@ def advice_text(advice: tuple[tuple[str, object], ...]) -> str:
     reason = {
         "boundary": "the fixed boundary holds it back",
         "flat": "ask for less flat faces",
-        "keep": "keep faces smooth rather than the surface"
+        "keep": "trace a net along conjugate directions (ddgfab optimize --retrace), or keep faces "
+        "smooth rather than the surface"
         if value == "fair"
         else "keep the surface rather than smooth faces",
         "max_pane": "give a finer mesh, or allow larger panes",

@@ -20,6 +20,7 @@ _FLAT: Final = 1e-2
 _HOLLOW: Final = 0.05
 """Volumes below this part of area times rise are differences of bumps and dents: none is named."""
 _PERCENTILE: Final = 99.0
+_STRETCHES: Final = (5.0, 50.0, 95.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,11 +137,22 @@ class Change:
         return (float(one.min()), float(one.max())), (float(two.min()), float(two.max()))
 
     @cached_property
+    def edge_ratios(self) -> Floats:
+        """(E,) length of each edge over what it was."""
+        was = np.maximum(self.before.edge_lengths, np.finfo(float).tiny)
+        ratios: Floats = self.after.edge_lengths / was
+        return ratios
+
+    @property
     def edge_ratio(self) -> tuple[float, float]:
         """Least and greatest length of an edge over what it was."""
-        was = np.maximum(self.before.edge_lengths, np.finfo(float).tiny)
-        ratio = self.after.edge_lengths / was
-        return float(ratio.min()), float(ratio.max())
+        return float(self.edge_ratios.min()), float(self.edge_ratios.max())
+
+    @property
+    def edge_stretch(self) -> tuple[float, float, float]:
+        """The same ratio at 5, 50 and 95 of 100 edges."""
+        low, middle, high = np.percentile(self.edge_ratios, _STRETCHES).tolist()
+        return low, middle, high
 
     @cached_property
     def _reflex(self) -> Ints:

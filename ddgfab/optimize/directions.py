@@ -24,22 +24,29 @@ TRACE_REASON: Final = (
 def other_way(
     result: OptimizeResult, keep: Keep | float, limits: Limits
 ) -> tuple[tuple[str, object], ...]:
-    """What to try after a result that meets its equations but is crumpled or flattened.
+    """What to try after a result that meets its equations but is crumpled, flattened, stretched.
 
     Followed from result to result, it never comes back to what was tried.
 
     Returns
     -------
     "keep" with another value, "trace" with the distance of lines, or nothing where the result is
-    neither
+    none of these
     """
     kinds = limits.kinds(result.change)
     crumpled, far = "zigzag" in kinds, bool(kinds & {"distance", "rise"})
     knob = keep_number(keep)
+    if "stretch" in kinds:
+        return _trace(result)
     if not crumpled and not (far and ("rise" in kinds or knob > KEEP["balanced"])):
         return ()
     if crumpled and not far and KEEP["close"] < knob < KEEP["fair"]:
         return (("keep", "fair"),)
     if far and not crumpled and KEEP["close"] < knob <= KEEP["balanced"]:
         return (("keep", "close"),)
+    return _trace(result)
+
+
+def _trace(result: OptimizeResult) -> tuple[tuple[str, object], ...]:
+    """Another net, of the same spacing."""
     return ((TRACE, float(f"{result.change.edge:.3g}")),)

@@ -16,28 +16,34 @@ from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.rim import rim_corners
 from ddgfab.optimize.surface import RimCurve, SmoothSurface
 from ddgfab.optimize.terms.base import LinearTerm, VectorTerm
+from ddgfab.optimize.terms.edges import Lengths, edge_stretch
 from ddgfab.optimize.terms.nearness import NearRim, NearSurface
 from ddgfab.optimize.terms.shape import closeness, edge_differences, fair_movement
 
 Keep: TypeAlias = Literal["close", "balanced", "fair"]
 """What a design keeps rather: its surface, or the smoothness of its faces."""
 
-Wish: TypeAlias = VectorTerm | LinearTerm | NearSurface | NearRim
+Wish: TypeAlias = VectorTerm | LinearTerm | Lengths | NearSurface | NearRim
 """A term of the energy."""
 
 KEEP: Final[dict[Keep, float]] = {"close": 0.2, "balanced": 0.33, "fair": 0.5}
 """Wavelength from which movements along the normal cost distance rather than bending, as part of
 the width of the mesh (the square root of its area)."""
 
-_NEAR, _SLIDE, _STRAIN, _RIM, _CORNER = 1.0, 0.002, 0.02, 3.0, 1.0
+_NEAR, _SLIDE, _STRAIN, _RIM, _CORNER = 1.0, 0.002, 0.02, 3.0, 2.0
 """Sliding and shear are cheap: where edges do not follow conjugate directions they have to turn in
 the surface, and what is not allowed to slide leaves the surface or creases instead."""
+_STRETCH: Final = 1.0
+"""Edges whose lengths change by more than `EASY_STRETCH`; below it a change is nearly free. With a
+third of it some panes still become twice as long; three times as much crumples more."""
+EASY_STRETCH: Final = 1.3
+"""Factor up to which edges may become longer or shorter where vertices slide."""
 _GLIDE: Final = 1e4
 _ALONG: Final = 0.4
 """Smoothness of the sliding at "balanced"; it grows with the square of the knob."""
-_FAIR_RANGE: Final = 0.05, 10.0
-"""Range of the weight of smoothness. Below 0.3 small nets of few faces a wave crease rather than
-flatten, which is what "close" asks for; above 10 fine nets stall."""
+_FAIR_RANGE: Final = 0.3, 10.0
+"""Range of the weight of smoothness; the lower end sinks where the surface is to be kept closer
+than "close". Below 0.3 nets of few faces crease rather than bend; above 10 fine nets stall."""
 
 
 def keep_number(keep: Keep | float) -> float:
@@ -66,6 +72,7 @@ class Weights:
     strain: float = _STRAIN
     fair: float = 1.0
     along: float = _ALONG
+    stretch: float = _STRETCH
     rim: float = _RIM
     corner: float = _CORNER
 
@@ -79,7 +86,9 @@ class Weights:
         """
         width = float(np.sqrt(np.bincount(mesh.components, mesh.face_areas).max()))
         knob = keep_number(keep)
-        fair = float(np.clip((knob * width / (2 * np.pi)) ** 4, *_FAIR_RANGE))
+        least, most = _FAIR_RANGE
+        least *= min(1.0, knob / KEEP["close"]) ** 4
+        fair = float(np.clip((knob * width / (2 * np.pi)) ** 4, least, most))
         return Weights(
             strain=_STRAIN * max(1.0, float(np.sqrt(fair))),
             fair=fair,
@@ -101,7 +110,8 @@ def energy(
     ----------
     surface : to stay near to; that of the mesh itself by default
     features : ids of edges across which the movement need not be smooth
-    rim : whose boundary that of the mesh stays near to; the mesh itself by default
+    rim : whose boundary that of the mesh stays near to; that of the mesh itself by default, which
+        is laid on the surface unless the boundary glides
     """
     used = np.flatnonzero(mesh.valences > 0)
     outer = np.flatnonzero(mesh.boundary_vertex)
@@ -113,15 +123,21 @@ def energy(
         ),
         closeness(mesh, weight=weights.slide),
         _strain(mesh, weights.strain),
+        edge_stretch(mesh, EASY_STRETCH, weight=weights.stretch),
         *fair_movement(mesh, weights.fair, weights.along, features=features),
     ]
     if len(outer):
-        curve = RimCurve(mesh if rim is None else rim)
+        laid = mesh
+        if surface is not None and weights.rim < _GLIDE:
+            foot, normal = surface.closest(mesh.vertices)
+            height = np.einsum("vx,vx->v", foot - mesh.vertices, normal)
+            laid = mesh.with_vertices(mesh.vertices + height[:, None] * normal)
+        curve = RimCurve(laid if rim is None else rim)
         terms.append(NearRim(curve=curve, vertices=outer, weight=weights.rim))
         held = np.zeros(mesh.n_vertices)
         held[rim_corners(mesh)] = 1.0
         if held.any():
-            terms.append(closeness(mesh, weights=held, weight=weights.corner))
+            terms.append(closeness(mesh, laid.vertices, held, weight=weights.corner))
     return tuple(terms)
 
 

@@ -19,15 +19,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
-from typing import Any, TypeAlias, get_args
+from typing import TypeAlias, get_args
 
 import numpy as np
 
 from ddgfab.arguments import checked
 from ddgfab.errors import InputError, OptimizeError
 from ddgfab.measures import planarity_percent
-from ddgfab.mesh import Floats, Ints, Mesh, unit
+from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.energy import Keep, Weights
+from ddgfab.optimize.families_result import FamiliesResult
 from ddgfab.optimize.frame import Frame, element_ids
 from ddgfab.optimize.goal import NetGoal, Wishes, net_problem
 from ddgfab.optimize.path import PathOptions, settle
@@ -41,10 +42,10 @@ from ddgfab.optimize.repetition import (
     family_labels,
     pieces,
 )
-from ddgfab.optimize.result import OptimizeResult, Step
+from ddgfab.optimize.result import Step
 from ddgfab.optimize.rim import Boundary, Constraints
 from ddgfab.optimize.terms import planarity_terms
-from ddgfab.optimize.terms.base import LocalTerm
+from ddgfab.optimize.terms.shapes import near_shapes
 from ddgfab.tolerances import NET_PLANAR_PERCENT
 
 
@@ -63,49 +64,6 @@ class FamiliesOptions:
     it sinks from round to round."""
     sharpest: float = 0.3
     """Pieces this part of the tolerance from their cluster's shape weigh half, in the end."""
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class FamiliesResult(OptimizeResult):
-    """A mesh with fewer families.
-
-    Attributes
-    ----------
-    of : "panel" or "edge"
-    tolerance : what counts as equal, in the unit of the mesh
-    labels_before, labels : (n,) family of each piece: the number of its first member
-    """
-
-    of: Piece
-    tolerance: float
-    labels_before: Ints
-    labels: Ints
-
-    @property
-    def families_before(self) -> int:
-        """Number of families of the input."""
-        return len(np.unique(self.labels_before))
-
-    @property
-    def families(self) -> int:
-        """Number of families of the result."""
-        return len(np.unique(self.labels))
-
-    def own(self) -> dict[str, Any]:
-        """Numbers of families."""
-        return {
-            "families_of": self.of,
-            "families_before": self.families_before,
-            "families_after": self.families,
-            "fit_tolerance": float(self.tolerance),
-        }
-
-    def own_lines(self) -> list[str]:
-        """The same for people."""
-        return [
-            f"families of {self.of}s within {self.tolerance:.3g}: {self.families_before} "
-            f"before, {self.families} after"
-        ]
 
 
 @checked
@@ -152,15 +110,10 @@ def families(
     InputError
         An unknown kind of pieces, a limit that is not positive, an id out of range.
     """
-    if of not in get_args(Piece):
-        raise InputError(f'families of "{of}"; one of {", ".join(get_args(Piece))}')
     edge = mean_edge(mesh)
     tolerance = edge * _TOLERANCE if fit_tolerance is None else fit_tolerance
     limit = edge * _MOVEMENT if max_movement is None else max_movement
-    for name, value in (("fit_tolerance", tolerance), ("max_movement", limit)):
-        if not value > 0:
-            raise InputError(f"{name} = {value:g}: more than zero is needed")
-    chosen = options or FamiliesOptions()
+    _refuse(of, tolerance, limit)
     frame = Frame.of(mesh)
     small = frame.inside(mesh)
     task = _Task(
@@ -172,33 +125,17 @@ def families(
         Constraints.of(small, fixed, boundary),
         None if features is None else element_ids(features, mesh.n_edges, "feature edge"),
         None if surface is None else frame.inside(surface),
-        chosen,
+        options or FamiliesOptions(),
     )
     before = family_labels(small, of, task.tolerance)
-    best, labels, history = small, before, list[tuple[str, Step]]()
-    groups = len(np.unique(before))
-    for count in dict.fromkeys(max(1, round(part * groups)) for part in chosen.counts):
-        if groups == 1:
-            break
-
-        def tell(number: int, step: Step, stage: str = f"{count} clusters") -> None:
-            history.append((stage, step))
-            if progress is not None:
-                progress(stage, number, step)
-
-        found = _moved(task, count, tell)
-        if found is None:
-            continue
-        now = family_labels(found, of, task.tolerance)
-        if len(np.unique(now)) < len(np.unique(labels)):
-            best, labels = found, now
+    best, labels, history = _fewest(task, before, progress)
     missed = best is small
     result = FamiliesResult(
         goal="families",
         mesh=mesh if missed else frame.outside(small.vertices, best.vertices),
         original=mesh,
         status="missed" if missed else "converged",
-        history=tuple(history),
+        history=history,
         residual=task.residual(best.vertices.ravel()),
         surface=surface,
         of=of,
@@ -208,12 +145,47 @@ def families(
     )
     if missed and throw:
         raise OptimizeError(
-            f"families: the {len(before)} {of}s have {groups} families within {tolerance:.3g}, and "
-            f"no mesh with fewer was found that moves vertices by {limit:.3g} at most\n"
-            "allow more movement or a greater fit tolerance",
+            f"families: the {len(before)} {of}s have {result.families_before} families within "
+            f"{tolerance:.3g}, and no mesh with fewer was found that moves vertices by {limit:.3g} "
+            "at most\nallow more movement or a greater fit tolerance",
             result=result,
         )
     return result
+
+
+def _refuse(of: str, tolerance: float, limit: float) -> None:
+    """Raise for what cannot be asked."""
+    if of not in get_args(Piece):
+        raise InputError(f'families of "{of}"; one of {", ".join(get_args(Piece))}')
+    for name, value in (("fit_tolerance", tolerance), ("max_movement", limit)):
+        if not value > 0:
+            raise InputError(f"{name} = {value:g}: more than zero is needed")
+
+
+def _fewest(
+    task: _Task, before: Ints, progress: Callable[[str, int, Step], None] | None
+) -> tuple[Mesh, Ints, tuple[tuple[str, Step], ...]]:
+    """The mesh with the fewest families of all numbers of clusters tried, its labels, all steps.
+
+    It is the mesh of the task itself where none has fewer.
+    """
+    best, labels, history = task.mesh, before, list[tuple[str, Step]]()
+    groups = len(np.unique(before))
+    counts = dict.fromkeys(max(1, round(part * groups)) for part in task.options.counts)
+    for count in counts if groups > 1 else ():
+
+        def tell(number: int, step: Step, stage: str = f"{count} clusters") -> None:
+            history.append((stage, step))
+            if progress is not None:
+                progress(stage, number, step)
+
+        found = _moved(task, count, tell)
+        if found is None:
+            continue
+        now = family_labels(found, task.of, task.tolerance)
+        if len(np.unique(now)) < len(np.unique(labels)):
+            best, labels = found, now
+    return best, labels, tuple(history)
 
 
 _TOLERANCE = 1e-3
@@ -258,7 +230,7 @@ class _Task:
         def wishes(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Wishes:
             return Wishes(
                 tuple(
-                    _shape_term(group, found, layout.block(f"shapes {k}").start, away, width)
+                    near_shapes(group, found, layout.block(f"shapes {k}").start, away, width)
                     for k, (group, found, away) in enumerate(shapes)
                 )
             )
@@ -347,35 +319,3 @@ _WIDE = 3.0
 
 _ROUGH = 1e-8
 """Residual of the equations within a round."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ShapeDistances(LocalTerm):
-    """Distance of two corners minus that of their cluster's shape, which is unknown as well."""
-
-    def values(self, local: Floats) -> Floats:
-        """(m,) residuals."""
-        return np.asarray(np.linalg.norm(local[:, 3:6] - local[:, :3], axis=1) - local[:, 6])
-
-    def gradients(self, local: Floats) -> Floats:
-        """(m, 7)."""
-        way = unit(local[:, 3:6] - local[:, :3])
-        return np.concatenate([-way, way, np.full((len(way), 1), -1.0)], axis=1)
-
-
-def _shape_term(
-    group: Pieces, clusters: Clusters, first: int, away: Floats, width: float
-) -> ShapeDistances:
-    """Distances near those of the clusters; pieces further off than `width` weigh little.
-
-    first : unknown where the block of the clusters' shapes begins
-    """
-    weight = width**2 / (width**2 + away**2)  # its square is that of Geman and McClure
-    ends = group.corners[:, group.pairs].reshape(-1, 2)
-    corners = (3 * ends[..., None] + np.arange(3)).reshape(len(ends), -1)
-    shapes = first + clusters.cluster[:, None] * clusters.shapes.shape[1] + clusters.places
-    return ShapeDistances(
-        name="family shapes",
-        index=np.concatenate([corners, shapes.reshape(-1, 1)], axis=1),
-        factor=np.repeat(weight, len(group.pairs)),
-    )

@@ -98,6 +98,7 @@ def optimize(
     distance_limit: tuple[float, float] | None = None,
     rise_limit: float = Limits.rise,
     zigzag_limit: float = Limits.zigzag,
+    stretch_limit: float = Limits.stretch,
     max_pane: tuple[float, float] | None = None,
     throw: bool = True,
     progress: StageProgress | None = None,
@@ -133,6 +134,7 @@ def optimize(
     rise_limit : least part of its rise that the mesh keeps; 0 allows all to go
     zigzag_limit : by how much more than before bends at edges may differ from those beside them
         [rad, root mean square]
+    stretch_limit : part by which edges may become longer or shorter, but for one in twenty each way
     max_pane : (shorter, longer), optional
         Lengths of the largest pane, in the unit of the mesh: quads are divided until they fit, and
         stay so; vertices keep their numbers, new ones follow.
@@ -155,7 +157,13 @@ def optimize(
 
     Source: planar quads: Liu, Pottmann, Wallner, Yang, Wang 2006; the others name theirs.
     """
-    allowed = Limits(movement=max_movement, rise=rise_limit, zigzag=zigzag_limit, pane=max_pane)
+    allowed = Limits(
+        movement=max_movement,
+        rise=rise_limit,
+        zigzag=zigzag_limit,
+        stretch=stretch_limit,
+        pane=max_pane,
+    )
     if distance_limit is not None:
         mean, most = distance_limit
         allowed = replace(allowed, distance_mean=mean, distance_max=most)
@@ -174,14 +182,7 @@ def optimize(
             progress=progress,
             **options,
         )
-        if throw and max_movement is not None and result.movement_max > max_movement:
-            raise OptimizeError(
-                f'goal "{goal}" moves vertices by up to {result.movement_max:.4g} (limit '
-                f"{max_movement:.4g}), most at vertices {named(result.movement)}\n"
-                "allow more movement, or change the design where it is farthest from the goal",
-                result=result,
-            )
-        return result
+        return _within(result, max_movement, throw)
     goals = _goals(goal, options)
 
     def run(one: Mesh, throw: bool = True) -> OptimizeResult:
@@ -213,6 +214,18 @@ def optimize(
         if throw or not isinstance(error.result, OptimizeResult):
             raise
         return error.result
+
+
+def _within(result: OptimizeResult, limit: float | None, throw: bool) -> OptimizeResult:
+    """The result of a goal with a solver of its own, if it keeps the limit of movement."""
+    if throw and limit is not None and result.movement_max > limit:
+        raise OptimizeError(
+            f'goal "{result.goal}" moves vertices by up to {result.movement_max:.4g} (limit '
+            f"{limit:.4g}), most at vertices {named(result.movement)}\n"
+            "allow more movement, or change the design where it is farthest from the goal",
+            result=result,
+        )
+    return result
 
 
 def _goals(goal: str | NetGoal, options: dict[str, Any]) -> Sequence[NetGoal]:

@@ -29,6 +29,7 @@ class Limits:
     rise : least part of its rise that a mesh keeps; it may not grow by more than the inverse
     zigzag : by how much more than before the bend at an edge may differ from the bends beside it
         [rad, root mean square]: more is a crumpled mesh
+    stretch : part by which edges may become longer or shorter, but for one in twenty each way
     pane : lengths of the largest pane, in the unit of the mesh; None: no limit
     """
 
@@ -37,11 +38,12 @@ class Limits:
     movement: float | None = None
     reflex_quads: int = 0
     rise: float = 0.8
-    zigzag: float = math.radians(8.0)
+    zigzag: float = math.radians(6.0)
+    stretch: float = 0.5
     pane: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        for name in ("distance_mean", "distance_max", "zigzag"):
+        for name in ("distance_mean", "distance_max", "zigzag", "stretch"):
             if not getattr(self, name) > 0:
                 raise InputError(f"limit {name} = {getattr(self, name):g}: must be positive")
         if not 0 <= self.rise < 1:
@@ -75,6 +77,7 @@ class Limits:
                     )
                 )
         out += self._shape(change)
+        out += self._edges(change)
         if self.pane is not None:
             out += self._panes(change.after, self.pane)
         if self.movement is not None and change.movement.max() > self.movement:
@@ -98,6 +101,19 @@ class Limits:
                 ("folded", f"{len(change.folded)} faces fold or collapse: {ids(change.folded)}")
             )
         return out
+
+    def _edges(self, change: Change) -> list[tuple[str, str]]:
+        """Edges that became much longer or shorter: panes are no longer of the size they were."""
+        low, _, high = change.edge_stretch
+        if 1 - self.stretch <= low and high <= 1 + self.stretch:
+            return []
+        ratio = change.edge_ratios
+        text = (
+            f"edges are stretched: 5 of 100 to {low:.2f} of their length or less, 5 of 100 to "
+            f"{high:.2f} or more (limits {max(1 - self.stretch, 0.0):.2g} and "
+            f"{1 + self.stretch:.3g}), longest by edges {named(ratio)}"
+        )
+        return [("stretch", text)]
 
     def _panes(self, mesh: Mesh, limit: tuple[float, float]) -> list[tuple[str, str]]:
         over = misfit(mesh, limit)

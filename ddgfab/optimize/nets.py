@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -97,40 +98,23 @@ def reach(
     goal.check(mesh)
     frame = Frame.of(mesh)
     small = frame.inside(mesh)
-    allowed = limits or Limits()
-    constraints = Constraints.of(small, fixed, boundary)
-    sharp = None if features is None else element_ids(features, mesh.n_edges, "feature edge")
-    tolerance = _tolerance(goal, flat_percent)
-    problem = net_problem(
-        small,
+    task = _Task(
         goal,
-        keep=keep,
-        constraints=constraints,
-        surface=None if surface is None else frame.inside(surface),
-        features=sharp,
-        rim=None if rim is None else frame.inside(rim),
-        extra=_wishes(small, frame, allowed),
-        movement=None if allowed.movement is None else allowed.movement / frame.unit,
+        frame,
+        small,
+        keep,
+        Constraints.of(small, fixed, boundary),
+        None if features is None else element_ids(features, mesh.n_edges, "feature edge"),
+        None if surface is None else frame.inside(surface),
+        None if rim is None else frame.inside(rim),
+        limits or Limits(),
+        _tolerance(goal, flat_percent),
     )
-
-    def measure(x: Floats) -> float:
-        return violation(problem, x)
-
-    before = measure(problem.start)
-    if before <= tolerance and not _crooked(goal, small):
-        still = goal.result(
-            goal=goal.name,
-            mesh=mesh,
-            original=mesh,
-            status="converged",
-            history=(),
-            residual=before,
-            surface=surface,
-            pane=allowed.pane,
-            **goal.own(problem, problem.start),
-        )
-        return Outcome(still)
-    _refuse_impossible(goal.name, problem, constraints, boundary, 100 * tolerance)
+    problem = task.problem()
+    before = violation(problem, problem.start)
+    if before <= task.tolerance and not _crooked(goal, small):
+        return Outcome(task.result(problem, problem.start, mesh, surface))
+    _refuse_impossible(goal.name, problem, task.constraints, boundary, 100 * task.tolerance)
     expected = _expected(problem, frame)
     history: list[tuple[str, Step]] = []
     stage = goal.label or goal.name
@@ -141,59 +125,102 @@ def reach(
             progress(stage, number, step)
 
     way = options or PathOptions()
-    alone = goal.crooked is None and not goal.still and problem.layout.names == (VERTICES,)
-    if alone and options is None and sharp is None and mesh.n_faces >= LEAST_FACES:
-
-        def pose(one: Mesh, inner: Frame, numbers: Ints) -> Problem:
-            held = np.flatnonzero(np.isin(numbers, constraints.fixed))
-            near = frame.inside(surface) if surface is not None else small
-            return net_problem(
-                one,
-                goal,
-                keep=keep,
-                constraints=Constraints(held, constraints.glide),
-                surface=inner.inside(near),
-                rim=inner.inside(small if rim is None else frame.inside(rim)),
-                movement=None
-                if allowed.movement is None
-                else allowed.movement / (frame.unit * inner.unit),
-            )
-
-        begin = nested_start(small, pose, tolerance, tell)
+    if options is None and task.nests(problem):
+        begin = nested_start(small, task.coarse_problem, task.tolerance, tell)
         if begin is not None:
             there = begun(problem, begin - small.vertices)
             if usable(there, before):
                 problem, way = there, NESTED
-    chosen = replace(way, tolerance=max(_AIM * tolerance, EXACT))
-    path = follow(problem, measure, chosen, tell)
+    chosen = replace(way, tolerance=max(_AIM * task.tolerance, EXACT))
+    path = follow(problem, partial(violation, problem), chosen, tell)
     found = frame.outside(small.vertices, problem.vertices(path.value))
-    again = path.value.copy()
-    again[problem.layout.block(VERTICES)] = frame.inside(found).vertices.ravel()
-    result = goal.result(
-        goal=goal.name,
-        mesh=found,
-        original=mesh,
-        status="converged",
+    result = replace(
+        task.result(problem, path.value, found, surface),
         history=tuple(history),
-        residual=measure(again),
-        surface=surface,
         prices=_prices(problem, frame, path.waypoints),
         forecast=expected,
-        pane=allowed.pane,
-        **goal.own(problem, path.value),
     )
-    missed = list(allowed.exceeded(result.change))
     met = path.status == "converged"
+    missed = list(task.limits.exceeded(result.change))
     if not met:
-        missed.insert(0, missed_text(goal.name, problem, path.value, tolerance))
-    crooked = _crooked(goal, found)
-    if crooked:
+        missed.insert(0, missed_text(goal.name, problem, path.value, task.tolerance))
+    if crooked := _crooked(goal, found):
         missed.append(crooked)
     result = replace(result, remarks=remarks_of(result))
     if not missed:
         return Outcome(result)
-    advice = advice_of(result, met, keep, boundary, allowed, goal.easier)
+    advice = advice_of(result, met, keep, boundary, task.limits, goal.easier)
     return Outcome(replace(result, status="missed", advice=advice), tuple(missed))
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What to do on a mesh whose mean edge is one, `mesh`; other meshes are in its frame."""
+
+    goal: NetGoal
+    frame: Frame
+    mesh: Mesh
+    keep: Keep | float
+    constraints: Constraints
+    features: Ints | None
+    surface: Mesh | None
+    rim: Mesh | None
+    limits: Limits
+    tolerance: float
+
+    def problem(self) -> Problem:
+        """The problem on the mesh itself."""
+        limit = self.limits.movement
+        return net_problem(
+            self.mesh,
+            self.goal,
+            keep=self.keep,
+            constraints=self.constraints,
+            surface=self.surface,
+            features=self.features,
+            rim=self.rim,
+            extra=_wishes(self.mesh, self.frame, self.limits),
+            movement=None if limit is None else limit / self.frame.unit,
+        )
+
+    def nests(self, problem: Problem) -> bool:
+        """Whether the path may begin on a coarser mesh."""
+        alone = self.goal.crooked is None and not self.goal.still
+        alone &= problem.layout.names == (VERTICES,) and self.features is None
+        return alone and self.mesh.n_faces >= LEAST_FACES
+
+    def coarse_problem(self, one: Mesh, inner: Frame, numbers: Ints) -> Problem:
+        """The problem on a coarser mesh, for `nested_start`."""
+        held = np.flatnonzero(np.isin(numbers, self.constraints.fixed))
+        limit = self.limits.movement
+        return net_problem(
+            one,
+            self.goal,
+            keep=self.keep,
+            constraints=Constraints(held, self.constraints.glide),
+            surface=inner.inside(self.mesh if self.surface is None else self.surface),
+            rim=inner.inside(self.mesh if self.rim is None else self.rim),
+            movement=None if limit is None else limit / (self.frame.unit * inner.unit),
+        )
+
+    def result(
+        self, problem: Problem, x: Floats, found: Mesh, surface: Mesh | None
+    ) -> OptimizeResult:
+        """The result with the unknowns x; `found` and `surface` are in the unit of the input."""
+        again = x.copy()
+        if found is not self.frame.mesh:  # as the file will have it
+            again[problem.layout.block(VERTICES)] = self.frame.inside(found).vertices.ravel()
+        return self.goal.result(
+            goal=self.goal.name,
+            mesh=found,
+            original=self.frame.mesh,
+            status="converged",
+            history=(),
+            residual=violation(problem, again),
+            surface=surface,
+            pane=self.limits.pane,
+            **self.goal.own(problem, x),
+        )
 
 
 def _wishes(mesh: Mesh, frame: Frame, limits: Limits) -> tuple[Term, ...]:

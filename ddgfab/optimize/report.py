@@ -77,6 +77,7 @@ def change_numbers(change: Change) -> dict[str, Any]:
         "corner_angles_deg_before": before,
         "corner_angles_deg_after": after,
         "edge_ratio": list(change.edge_ratio),
+        "edge_ratio_percentiles_5_50_95": list(change.edge_stretch),
         "new_reflex_quads": change.reflex_quads.tolist(),
         "new_reflex_polygons": change.reflex_polygons.tolist(),
         "folded_faces": change.folded.tolist(),
@@ -93,13 +94,15 @@ def change_lines(result: OptimizeResult) -> list[str]:
         if value is not None
     )
     low, high = change.edge_ratio
+    shrunk, middle, grown = change.edge_stretch
     zigzag = np.degrees(change.zigzag)
     lines = [
         f"distance from the surface, both ways: mean {change.distance_mean:.4g} {unit} "
         f"({change.distance_mean / edge:.3f} mean edges), greatest {change.distance_max:.4g} "
         f"{unit} ({change.distance_max / edge:.2f})",
-        f"kept: {kept or 'no rise and no volume to compare'}; edges are {low:.2f} to {high:.2f} "
-        "times as long",
+        f"kept: {kept or 'no rise and no volume to compare'}",
+        f"edges are {low:.2f} to {high:.2f} times as long; 5, 50, 95 of 100 less than "
+        f"{shrunk:.2f}, {middle:.2f}, {grown:.2f}",
         f"creases: dihedral angles change by {np.degrees(change.crease[0]):.1f} deg at most at 99 "
         f"of 100 edges, by {np.degrees(change.crease[1]):.1f} deg at the worst",
         "zigzag: bends at edges differ from those beside them by "

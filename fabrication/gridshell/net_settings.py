@@ -175,6 +175,7 @@ OPTIMIZE_OPTIONS: Final[dict[str, tuple[str, ...]]] = {
     "distance_limit_edges": _SHAPES,
     "rise_limit_percent": _SHAPES,
     "zigzag_limit_deg": _SHAPES,
+    "stretch_limit_percent": _SHAPES,
     "max_pane_mm": _SHAPES,
     "axes_only": ("torsion-free",),
     "max_lean_deg": ("torsion-free",),
@@ -200,6 +201,8 @@ class OptimizeSettings(Section):
     rise_limit_percent : a mesh that keeps less of its rise is an error
     zigzag_limit_deg : a mesh whose bends differ from edge to edge by so much more than before
         (root mean square) is crumpled, and an error
+    stretch_limit_percent : more than one edge in twenty that becomes longer, or shorter, by a
+        greater part is an error
     max_pane_mm : lengths of the largest pane, [1500, 2500]: quads are divided until they fit
     fix : "none", "boundary", or ids of vertices that stay
     boundary : what boundary vertices may do: "free", "glide" along the boundary, "fixed"
@@ -217,7 +220,8 @@ class OptimizeSettings(Section):
     distance_limit_edges: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.25, 1.0)
     rise_limit_percent: Annotated[float, Field(ge=0, lt=100)] = 80.0
     max_pane_mm: Annotated[tuple[Positive, Positive], Field(strict=False)] | None = None
-    zigzag_limit_deg: Annotated[float, Field(gt=0, le=180)] = 8.0
+    zigzag_limit_deg: Annotated[float, Field(gt=0, le=180)] = 6.0
+    stretch_limit_percent: Annotated[float, Field(gt=0, le=1000)] = 50.0
     fix: Literal["none", "boundary"] | VertexIds = "none"
     boundary: Boundary = "free"
     feature_angle_deg: Degrees | None = None

@@ -49,6 +49,7 @@ def optimized_mesh(
         distance_limit=settings.distance_limit_edges,
         rise_limit=settings.rise_limit_percent / 100,
         zigzag_limit=math.radians(settings.zigzag_limit_deg),
+        stretch_limit=settings.stretch_limit_percent / 100,
         max_pane=settings.max_pane_mm,
         rim=rim,
         **_own_options(settings),

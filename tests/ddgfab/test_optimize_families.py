@@ -154,6 +154,7 @@ def test_by_the_name_of_its_goal() -> None:
     assert isinstance(result, FamiliesResult)
 
 
+@pytest.mark.slow
 def test_a_roof(mesh_file: Callable[[str], Path]) -> None:
     """Measured: 630 lengths become 64, moving vertices by 0.05 mean edges at most."""
     mesh = read_mesh(mesh_file("six_quad.obj")).mesh

@@ -92,7 +92,7 @@ def test_missed_goals_keep_the_best_mesh_apart_and_name_the_next_command(
     (line,) = [line for line in said.splitlines() if line.startswith("next: ")]
     assert "--keep close" in line
     assert "--set 'optimize.distance_limit_edges=[0.001, 1]'" in line
-    for _ in range(4):  # what is named helps, in the end
+    for _ in range(6):  # what is named helps, in the end
         words = shlex.split(line.removeprefix("next: ddgfab "))
         code, said = run(*words, "--no-picture")
         if code == 0:
@@ -111,16 +111,16 @@ def test_limit_of_movement(roof: Path, tmp_path: Path) -> None:
 def test_another_surface(roof: Path, tmp_path: Path) -> None:
     other = tmp_path / "other.obj"
     mesh = read_mesh(roof).mesh
-    write_mesh(other, mesh.with_vertices(mesh.vertices + np.array([0, 0, 100])))
+    write_mesh(other, mesh.with_vertices(mesh.vertices + np.array([0, 0, 400])))
     code, said = run("optimize", roof, "-o", tmp_path / "a.obj", "--surface", other, "--no-picture")
     assert code == 0, said
     code, said = run("optimize", roof, "-o", tmp_path / "b.obj", "--no-picture")
     assert code == 0, said
     near, own = (json.loads((tmp_path / f"{name}.json").read_text()) for name in "ab")
     apart = Change(read_mesh(other).mesh, read_mesh(tmp_path / "b.obj").mesh, read_mesh(other).mesh)
-    assert apart.distance_mean > 50
+    assert apart.distance_mean > 200
     assert near["design"]["distance_mean"] < 0.5 * apart.distance_mean
-    assert own["design"]["distance_mean"] < 50
+    assert own["design"]["distance_mean"] < 100
 
 
 def test_impossible_boundary_names_faces(tmp_path: Path) -> None:
@@ -181,7 +181,9 @@ def test_far_away_in_metres_the_result_lies_where_the_source_lay(tmp_path: Path)
     part = Mesh.build(mesh.vertices / 1000.0 + away, mesh.faces[1:])
     write_mesh(tmp_path / "part.obj", part, units="m")
     for extra in ((), ("--surface", far), ("--surface", tmp_path / "part.obj")):
-        code, text = run("optimize", far, "-o", tmp_path / "b.obj", "--no-picture", *extra)
+        words = ["optimize", far, "-o", tmp_path / "b.obj", "--no-picture", *extra]
+        # The corner is an edge away from a surface without it.
+        code, text = run(*words, "--set", "optimize.distance_limit_edges=[0.25, 1.5]")
         assert code == 0, text
         one = read_mesh(tmp_path / "a.obj", units="stated").mesh.vertices
         other = read_mesh(tmp_path / "b.obj", units="stated").in_place.vertices

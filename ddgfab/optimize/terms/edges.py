@@ -107,6 +107,30 @@ def edge_lengths(
 
 
 @checked
+def edge_stretch(mesh: Mesh, most: float, *, weight: float = 1.0) -> Lengths:
+    """Edges that become longer or shorter by a factor of `most` at most; relative to their length.
+
+    Raises
+    ------
+    InputError
+        A factor below one.
+    """
+    if not most >= 1:
+        raise InputError(f"edges may stretch by a factor of one or more, not {most:g}")
+    length: Floats = np.maximum(mesh.edge_lengths, np.finfo(float).tiny)
+    return Lengths(
+        name="edge stretch",
+        index=_unknowns(mesh.edges),
+        factor=1.0 / length,
+        weight=weight,
+        of="edge",
+        elements=np.arange(mesh.n_edges),
+        low=length / most,
+        high=length * most,
+    )
+
+
+@checked
 def edge_bounds(mesh: Mesh, high: Floats, *, weight: float = 1.0) -> Lengths:
     """Edges no longer than (E,) bounds of their own, in the unit of the mesh; may be infinite."""
     ids = np.flatnonzero(np.isfinite(high))
