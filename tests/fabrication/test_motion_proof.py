@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
-from test_motion_free_range import CLEARANCE, reference, the_cube
+from test_motion_free_range import CLEARANCE, kit, reference, the_cube
 
 from ddgfab.linkages.cauchy import Numbers
 from ddgfab.linkages.mechanism import Bounds, Drive
 from ddgfab.mesh import Floats
 from fabrication.motion.contacts import gaps
 from fabrication.motion.convex import Body, ConvexPieces, capsule, cylinder
-from fabrication.motion.free_range import _tightest, free_motion
+from fabrication.motion.free_range import _tightest, free_motion, standing
 from fabrication.motion.pairs import Rules
 from fabrication.motion.proof import March, Near, Search
 
@@ -127,6 +128,27 @@ def test_pairs_count_as_rigid_if_their_distance_never_changes(make: Any) -> None
     assert still[apart & rigid].all()
     assert not still[apart & ~rigid].any()
     assert min((apart & rigid).sum(), (apart & ~rigid).sum()) > 5
+
+
+def test_what_stands_too_near_on_one_pin() -> None:
+    """Eyes of two links and what meets a bar are told; what is fitted on one pin is not."""
+    loop, _ = reference()
+    links = kit(loop, np.zeros(4))[:4]
+    eyes = [replace(link, pieces=link.pieces[:2]) for link in links]
+    found = {frozenset(contact.marks) for contact in standing(loop, eyes)}
+    shared = {
+        frozenset((f"L{i}", f"L{j}"))
+        for i, j in combinations(range(4), 2)
+        if set(loop.bars[i]) & set(loop.bars[j])
+    }
+    assert found == shared
+    pin = Body("pin", (cylinder([0, 0, -9], [0, 0, 9], 1.5),), hinge=0)
+    ring = Body("ring", (cylinder([0, 0, -1], [0, 0, 1], 3.0),), hinge=0)
+    assert standing(loop, [pin, ring]) == ()
+    bars = [replace(link, pieces=link.pieces[2:]) for link in links if 0 in loop.bars[link.bar]]
+    wide = replace(ring, pieces=(cylinder([0, 0, -1], [0, 0, 1], 8.0),))
+    found = {frozenset(contact.marks) for contact in standing(loop, [wide, *bars[:1]])}
+    assert found == {frozenset(("ring", bars[0].mark))}
 
 
 def test_the_nearest_of_both_ways_is_reported() -> None:
