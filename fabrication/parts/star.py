@@ -132,6 +132,8 @@ class StarShape:
             "diameter_mm": 2.0 * math.hypot(self.length, 0.5 * self.thickness),
             "height_mm": self.z1 - self.z0,
             "plate_mm": self.thickness,
+            "plate_length_mm": self.length,
+            "plate_hole_mm": self.diameter,
         }
 
 

@@ -27,6 +27,11 @@ VARIANTS: dict[str, dict[str, dict[str, object]]] = {
     "plain": {},
     "bolted": {"beam": {"profile": "FL 80x40"}, "connection": {"kind": "stud"}},
     "priced": {"rates": {"kg": 4.0}},
+    "stars": {
+        "beam": {"profile": "FL 100x40"},
+        "node": {"kind": "star"},
+        "connection": {"kind": "bolted_tongue"},
+    },
     "glazed": {"panel": {"build_up": "8/16Ar/6.6.2", "edge": "mitred", "step_mm": 30.0}},
 }
 

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from fabrication.formats.tables import Legend
+from fabrication.gridshell.detailing.connections.base import Tongue
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.schedules.common import (
     MARK,
@@ -59,6 +60,12 @@ LEGEND: Final = Legend(
         "plate_end_mm": "the same at the end",
         "opening_end_mm": "the same at the end",
         "opening_end_height_mm": "the same at the end",
+        "slot_width_mm": "width of the slots from both cuts, about the middle of the width, open "
+        "at top and bottom",
+        "slot_depth_mm": "depth of the slots, square to the cuts",
+        "slot_hole_mm": "diameter of the holes across the slots, in the middle of the depth",
+        "slot_first_hole_mm": "from each cut, square to it, to the first hole",
+        "slot_second_hole_mm": "from each cut, square to it, to the second hole",
         "torsion_deg": "angle between the planes of the edge with either node axis: 0 is a single "
         "mitre, never a compound cut",
         "mass_kg": "mass of one beam",
@@ -122,6 +129,7 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             "torsion_deg": float(np.degrees(beam.torsion)),
             **torsion,
             **_studs(family.shape),
+            **_slots(family.shape, gridshell.joined.tongue),
             "mass_kg": masses[family.number],
             "panel_left": panels[0],
             "panel_right": panels[1],
@@ -142,6 +150,19 @@ def _lengths(shape: Shape) -> Row:
     return {
         f"length_{name}_mm": shape.end.x - shape.start.x + z * (shape.end.slope - shape.start.slope)
         for name, z in (("top", high), ("bottom", low))
+    }
+
+
+def _slots(shape: Shape, tongue: Tongue | None) -> Row:
+    """Slots and their holes, alike at both ends of all beams."""
+    if tongue is None or not isinstance(shape, BeamShape):
+        return {}
+    return {
+        "slot_width_mm": tongue.slot,
+        "slot_depth_mm": tongue.depth,
+        "slot_hole_mm": tongue.hole,
+        "slot_first_hole_mm": tongue.steps[0],
+        "slot_second_hole_mm": tongue.steps[1],
     }
 
 

@@ -20,6 +20,7 @@ from fabrication.gridshell.schedules.common import (
 )
 from fabrication.parts.node import NODE, NodeShape
 from fabrication.parts.node.shape import RadialHole, Seat
+from fabrication.parts.star import StarShape, TongueHole
 from fabrication.specs import Family, Instance, Shape
 
 NEAR: Final = 0.1
@@ -65,6 +66,13 @@ LEGEND: Final = Legend(
         "hole_{k}_diameter_mm": "diameter of that hole",
         "hole_{k}_depth_mm": "its depth from the seat, or from the cylinder where there is none; "
         "empty: through the wall of the tube",
+        "plate_mm": "thickness of the plates of a star",
+        "plate_length_mm": "from the axis to the ends of its plates",
+        "plate_hole_mm": "diameter of the holes through its plates, square to them",
+        "plate_{k}_first_mm": "from the axis to the first hole of the plate of arm {k}",
+        "plate_{k}_first_up_mm": "height of that hole above the bottom end",
+        "plate_{k}_second_mm": "from the axis to its second hole",
+        "plate_{k}_second_up_mm": "height of that hole above the bottom end",
     },
     totals=("mass_kg",),
     unprinted=("vertex", "axis_x", "axis_y", "axis_z"),
@@ -124,14 +132,30 @@ def _arms_from_mark(node: Node, instance: Instance) -> list[tuple[float, Any]]:
 
 def _ends(shape: Shape) -> Row:
     """Where the ends of the bar and its mark are."""
-    if not isinstance(shape, NodeShape):
+    if not isinstance(shape, NodeShape | StarShape):
         return {}
     mark = {} if shape.mark is None else {"mark_radius_mm": shape.mark.x}
     return {"above_mm": shape.z1, "below_mm": -shape.z0, **mark}
 
 
+def _plate(shape: StarShape, k: int, azimuth: float | None) -> Row:
+    """The holes of an arm's plate, from the axis outwards."""
+    own: list[TongueHole] = []
+    if azimuth is not None:
+        away = np.array(shape.azimuths) - azimuth
+        arm = int(np.abs(np.remainder(away + np.pi, 2 * np.pi) - np.pi).argmin())
+        own = [hole for hole in shape.holes if hole.arm == arm]
+    found: Row = {}
+    for n, name in enumerate(("first", "second")):
+        found[f"plate_{k}_{name}_mm"] = own[n].distance if own else None
+        found[f"plate_{k}_{name}_up_mm"] = own[n].z - shape.z0 if own else None
+    return found
+
+
 def _arm(shape: Shape, k: int, azimuth: float | None) -> Row:
-    """Seat and hole of an arm; None where it has none."""
+    """Seat and hole of an arm, or the holes of its plate; None where it has none."""
+    if isinstance(shape, StarShape):
+        return _plate(shape, k, azimuth)
     if not isinstance(shape, NodeShape):
         return {}
     found: Row = {}
