@@ -9,7 +9,9 @@ import numpy as np
 
 from ddgfab.mesh import Mesh, extent
 from fabrication.gridshell.detailing.gridshell import Gridshell
+from fabrication.gridshell.pieces import Beam
 from fabrication.gridshell.project import Project
+from fabrication.specs import Profile
 from fabrication.standards import stock_lengths
 from fabrication.standards.data import table
 
@@ -32,8 +34,9 @@ def unlikely(project: Project, mesh: Mesh, gridshell: Gridshell) -> tuple[str, .
     found = [
         text
         for quantity, values, marks in _quantities(project, mesh, gridshell)
-        if (text := _judged(_rule(quantity, project), values, marks))
+        if (text := _judged(table("plausible")[quantity], values, marks))
     ]
+    found += _beyond_stock(gridshell)
     if looks_inward(mesh):
         found.append(INWARD)
     if text := _wide_gap(project, gridshell):
@@ -54,11 +57,9 @@ def _quantities(
 ) -> Iterator[tuple[str, list[float], list[str]]]:
     """Name of each quantity, its values, and the marks of their pieces (none for settings)."""
     beams = [beam.mark for beam in gridshell.beams]
-    lengths = [beam.length_axis for beam in gridshell.beams]
     yield "span", [extent(mesh.vertices) / 2], []
-    yield "bar_length", lengths, beams
-    depth = project.beam.section().depth
-    yield "slenderness", [length / depth for length in lengths], beams
+    slender = [beam.length_axis / _section(beam).depth for beam in gridshell.beams]
+    yield "slenderness", slender, beams
     yield "eccentricity", [project.beam.eccentricity_mm], []
     yield "bar_density", [project.beam.density, project.node.density], []
     if not gridshell.panels:
@@ -72,12 +73,27 @@ def _quantities(
     yield "pane_side", sides, [panel.mark for panel in gridshell.panels for _ in range(2)]
 
 
-def _rule(quantity: str, project: Project) -> Mapping[str, Any]:
-    """Limits of a quantity and their source; bars are no longer than the stock of their profile."""
-    rule: Mapping[str, Any] = table("plausible")[quantity]
-    if quantity != "bar_length":
-        return rule
-    section = project.beam.section()
+def _beyond_stock(gridshell: Gridshell) -> Iterator[str]:
+    """What is unlikely of the lengths of bars, for each profile: they come from its stock."""
+    by_profile: dict[str, list[int]] = {}
+    for place, beam in enumerate(gridshell.beams):
+        by_profile.setdefault(_section(beam).name, []).append(place)
+    for places in by_profile.values():
+        beams = [gridshell.beams[place] for place in places]
+        rule = _stock_rule(_section(beams[0]))
+        if text := _judged(rule, [b.length_axis for b in beams], [b.mark for b in beams]):
+            yield text
+
+
+def _section(beam: Beam) -> Profile:
+    """The profile of a beam, whatever its ends."""
+    section: Profile = getattr(beam.shape, "profile")  # noqa: B009 - shapes of beams have one
+    return section
+
+
+def _stock_rule(section: Profile) -> Mapping[str, Any]:
+    """Limits of the length of a bar and their source, for a profile."""
+    rule: Mapping[str, Any] = table("plausible")["bar_length"]
     stock = stock_lengths(section)
     if stock is None or max(stock[0]) >= rule["high"]:
         return rule

@@ -127,3 +127,14 @@ def test_every_limit_has_a_source_and_two_sides() -> None:
         assert rule["low"] < rule["high"]
         assert len(rule["source"]) > 30
         assert "{value}" in rule["what"]
+
+
+def test_each_profile_of_a_structure_has_its_own_stock() -> None:
+    """Hollow sections inside, flat bars at the boundary: only these are too long at 12.6 m."""
+    tables = [
+        {"profile": "RHS 120x60x6"},
+        {"where": "boundary", "profile": "FL 150x15"},
+    ]
+    found = told(vault(12.6e3), beam=tables, panel={"max_size_mm": [3e4, 3e4]})
+    (note,) = [note for note in found if "between its nodes" in note]
+    assert "FL 150x15: bars are rolled" in note
