@@ -1,6 +1,9 @@
-"""Tracing, fitting, and the design dilemma: process seconds, best of three.
+"""Tracing, fitting, the design dilemma: process seconds, best of three; directions with noise.
 
 python benchmarks/surfaces.py
+
+Directions are those of the fit beside those of libigl (principal_curvature, rings of 2 and 5),
+where it is installed: pip install libigl.
 """
 
 from __future__ import annotations
@@ -17,6 +20,9 @@ from ddgfab.mesh import Mesh
 from ddgfab.redesign.dilemma import dilemma
 from ddgfab.surfaces.analytic import named_surface
 from ddgfab.surfaces.fit import fit_mesh
+from ddgfab.surfaces.nearest import nearest_points
+from ddgfab.surfaces.principal import lifted, principal
+from ddgfab.surfaces.sampled import interpolated
 from ddgfab.trace import trace
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "surface_dilemma.py"
@@ -44,7 +50,62 @@ def scan(count: int) -> Mesh:
     return Mesh.build(quads.vertices, faces)
 
 
+def cap(noise: float, side: int = 78) -> tuple[Mesh, np.ndarray, np.ndarray]:
+    """Triangles of an ellipsoid cap with noise [part of its size]; exact points and directions."""
+    rng = np.random.default_rng(5)
+    u, v = np.meshgrid(
+        np.linspace(-0.62, 0.62, side), np.linspace(-0.55, 0.55, side), indexing="ij"
+    )
+    surface = interpolated(
+        lambda a, b: np.stack(
+            [3 * np.sin(a), 2 * np.cos(a) * np.sin(b), np.cos(a) * np.cos(b)], axis=-1
+        ),
+        (-0.7, 0.7, -0.6, 0.6),
+    )
+    uv = np.stack([u, v], axis=-1).reshape(-1, 2)
+    jets = surface.jets(uv)
+    quads = grid_mesh((jets.x + 4 * noise * rng.normal(size=jets.x.shape)).reshape(side, side, 3))
+    faces = [t for a, b, c, d in quads.faces for t in ((a, b, c), (a, c, d))]
+    inside = (np.abs(uv) < [0.5, 0.44]).all(axis=1)
+    first = lifted(jets, principal(jets).first)
+    return (
+        Mesh.build(quads.vertices, faces),
+        jets.x[inside],
+        np.where(inside[:, None], first, np.nan),
+    )
+
+
+def off(found: list[np.ndarray], exact: np.ndarray) -> str:
+    """Mean and 99 % of the angles between two directions of a cross and exact ones."""
+    cos = np.max([np.abs(np.einsum("nx,nx->n", exact, d)) for d in found], axis=0)
+    angle = np.degrees(np.arccos(np.clip(cos, -1, 1)))
+    return f"{angle.mean():5.2f} / {np.percentile(angle, 99):5.2f}"
+
+
+def directions() -> None:
+    """Errors of principal directions [deg], mean / 99 %."""
+    try:
+        import igl
+    except ImportError:
+        igl = None
+    for noise in (0.0, 1e-4, 1e-3):
+        mesh, x, first = cap(noise)
+        keep = ~np.isnan(first[:, 0])
+        surface = fit_mesh(mesh).surface
+        jets = surface.jets(nearest_points(surface, x).uv)
+        own = principal(jets)
+        row = off([lifted(jets, own.first), lifted(jets, own.second)], first[keep])
+        text = f"directions, noise {noise:g}: fit {row}"
+        if igl is not None:
+            faces = mesh.corners.reshape(-1, 3).astype(np.int64)
+            for ring in (2, 5):
+                got = igl.principal_curvature(mesh.vertices, faces, ring)
+                text += f", libigl {ring} rings {off([d[keep] for d in got[:2]], first[keep])}"
+        print(text)
+
+
 if __name__ == "__main__":
+    directions()
     roof = named_surface("wave-roof")
     for spacing, limit in ((1350.0, 2), (685.0, 4)):
         taken = seconds(lambda spacing=spacing: trace(roof, spacing))

@@ -91,15 +91,18 @@ def trace_patches(
     if not surfaces:
         raise InputError("no surface is given; one or more are needed")
     least = float(min(spacing)) if isinstance(spacing, tuple) else float(spacing)
-    rims = [Samples.of(surface).rim(_BORDER * least) for surface in surfaces]
     shared = _split(surfaces, ways)
     found: list[Traced] = []
     for k, surface in enumerate(surfaces):
-        ends = [
-            one.mesh.vertices[_on(one.mesh, rims[k], least) & (one.traced.tag < _CORNER)]
-            for one in found
-        ]
-        given = np.concatenate(ends) if ends else np.zeros((0, 3))
+        given = np.zeros((0, 3))
+        if found:  # the first patch has shown that the spacing suits the surface
+            rim = Samples.of(surface).rim(_BORDER * least)
+            given = np.concatenate(
+                [
+                    one.mesh.vertices[_on(one.mesh, rim, least) & (one.traced.tag < _CORNER)]
+                    for one in found
+                ]
+            )
         found.append(trace(surface, spacing, **shared[k], ends=given if len(given) else None))
     meshes = [one.mesh for one in found]
     whole = joined(meshes, _shared(surfaces, meshes, least), least)
@@ -123,6 +126,8 @@ def _on(mesh: Mesh, rim: Floats, spacing: float) -> Any:
 def _shared(
     surfaces: Sequence[SplineSurface], meshes: Sequence[Mesh], spacing: float
 ) -> list[list[Ints]]:
+    if len(surfaces) == 1:
+        return [[np.zeros(0, dtype=np.int64)]]
     rims = [Samples.of(surface).rim(_BORDER * spacing) for surface in surfaces]
     return [
         [

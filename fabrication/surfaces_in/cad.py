@@ -171,10 +171,11 @@ def _surface(face: Any, name: str) -> SplineSurface:
     patch = GeomConvert.SurfaceToBSplineSurface_s(
         Geom_RectangularTrimmedSurface(base, u0, u1, v0, v1)
     )
-    if patch.IsUPeriodic():
-        patch.SetUNotPeriodic()
-    if patch.IsVPeriodic():
-        patch.SetVNotPeriodic()
+    periodic = patch.IsUPeriodic() or patch.IsVPeriodic()
+    patch.SetUNotPeriodic()
+    patch.SetVNotPeriodic()
+    if periodic:  # its knots reach beyond the period: cut to it, with clamped ends
+        patch.Segment(u0, u1, v0, v1)
     patch.IncreaseDegree(max(2, patch.UDegree()), max(2, patch.VDegree()))
     count = patch.NbUPoles(), patch.NbVPoles()
     poles, weights = np.zeros((*count, 3)), np.ones(count)

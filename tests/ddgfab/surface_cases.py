@@ -54,3 +54,23 @@ def graph(function, half=(1.0, 1.0), samples=(60, 50), **options):
         samples,
         **options,
     )
+
+
+def exact_ellipsoid(half: float = 0.6) -> SplineSurface:
+    """Upper part of x^2 / 9 + y^2 / 4 + z^2 = 1 without any error: rational, by stereographic
+    projection of a square of the plane."""
+    power = {  # coefficients of u^i v^j of the homogeneous coordinates
+        0: {(1, 0): 6.0},
+        1: {(0, 1): 4.0},
+        2: {(0, 0): 1.0, (2, 0): -1.0, (0, 2): -1.0},
+        3: {(0, 0): 1.0, (2, 0): 1.0, (0, 2): 1.0},
+    }
+    # values of 1, u, u^2 at the Bernstein coefficients of degree 2 on -half to half
+    bernstein = np.array([[1.0, -half, half**2], [1.0, 0.0, -(half**2)], [1.0, half, half**2]])
+    control = np.zeros((3, 3, 4))
+    for k, terms in power.items():
+        for (i, j), factor in terms.items():
+            control[..., k] += factor * np.outer(bernstein[:, i], bernstein[:, j])
+    weights = control[..., 3]
+    knots = [-half] * 3 + [half] * 3
+    return SplineSurface(control[..., :3] / weights[..., None], (knots, knots), (2, 2), weights)

@@ -160,3 +160,24 @@ def test_bad_curves_are_named(name: str, text: str, message: str, tmp_path: Path
     (tmp_path / name).write_text(text)
     with pytest.raises(InputError, match=message):
         read_curves(tmp_path / name)
+
+
+@pytest.mark.slow
+def test_closed_surfaces_are_cut_at_their_period(tmp_path: Path) -> None:
+    """A whole sphere and a tube: the kernel's knots reach beyond the period."""
+    import build123d
+
+    from fabrication.surfaces_in.cad import read_cad_surface
+
+    for solid, name in (
+        (build123d.Solid.make_sphere(5000), "sphere.step"),
+        (build123d.Solid.make_cylinder(2000, 3000), "tube.step"),
+    ):
+        face = max(solid.faces(), key=lambda f: f.area)
+        build123d.export_step(face, str(tmp_path / name))
+        surface = read_cad_surface(tmp_path / name)
+        u0, u1, v0, v1 = surface.domain
+        uv = np.random.default_rng(2).uniform(0.1, 0.9, (30, 2)) * [u1 - u0, v1 - v0] + [u0, v0]
+        x = surface.points(uv)
+        far = np.linalg.norm(x if name == "sphere.step" else x[:, :2], axis=1)
+        assert far == pytest.approx(5000 if name == "sphere.step" else 2000)
