@@ -18,6 +18,7 @@ from ddgfab.mesh import Floats
 from fabrication.boundary import Boundary
 from fabrication.gridshell.design import design
 from fabrication.gridshell.detailing.arm_room import least_radii
+from fabrication.gridshell.detailing.connections.base import Joined
 from fabrication.gridshell.detailing.nodes import registry
 from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
 from fabrication.gridshell.load import make_project
@@ -87,7 +88,7 @@ class Prism(NodeSize):
         return cls(radius, radius, cut, joints.width, float(needs[worst]), at)
 
     def shapes(
-        self, joints: Joints, bottom: Floats, top: Floats, middle: Floats
+        self, joints: Joints, joined: Joined, bottom: Floats, top: Floats, middle: Floats
     ) -> list[PrismShape]:
         used = np.flatnonzero(np.diff(joints.arms.start)).tolist()
         return [PrismShape(self.radius, float(bottom[v]), float(top[v])) for v in used]
