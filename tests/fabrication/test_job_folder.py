@@ -153,6 +153,10 @@ def test_the_manifest_is_plain_json_in_a_fixed_order(tmp_path: Path) -> None:
         "limit": 0.5,
     }
     assert list(back)[-1] == "versions"
+    part = back["parts"][0]
+    assert (part["mark"], part["volume_mm3"], part["mass_kg"]) == ("B-0000", 1.5, 0.25)
+    assert part["placement"] == np.zeros((4, 4)).tolist()
+    assert part["bbox_mm"] == [[0, 0, 0], [1, 2, 3]]
     with pytest.raises(InputError, match=r"none\.json"):
         read_manifest(tmp_path / "none.json")
 
