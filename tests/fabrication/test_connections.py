@@ -15,11 +15,13 @@ from detailing_cases import Case, central, dome, fan, grid, hexagons, vertical
 from roofs import barrel
 
 from ddgfab.errors import DetailError
+from fabrication import standards
 from fabrication.checks.assembly import check_assembly
 from fabrication.families import families
 from fabrication.formats.step.whole import check_step_assembly
 from fabrication.gridshell.bolt_lists import bolt_rows, fastener_rows, mates_of, mounted_pairs
 from fabrication.gridshell.design import design
+from fabrication.gridshell.detailing.connections.tongue import BoltedTongue
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.job.run import make
 from fabrication.solids import mesh_of
@@ -423,3 +425,12 @@ def test_central_axes_and_deep_profiles_fit_too() -> None:
         connection={"kind": "stud", "bolt": "M20"},
     )
     assert shell.joined.hole == 17.5
+
+
+@pytest.mark.parametrize("size", ["M6", "M8", "M10", "M12", "M16", "M20", "M24"])
+def test_a_wrench_on_one_bolt_of_a_tongue_clears_the_next(size: str) -> None:
+    """Turned on one head, the wrench is nowhere nearer than the corners of the other head."""
+    bolt = fastener(size)
+    first, second = BoltedTongue(bolt, 10.0, 1.0).tongue(standards.profile("FL 60x8")).steps
+    assert second - first >= 0.5 * (bolt.wrench + bolt.corners)
+    assert second - first >= bolt.spacing
