@@ -15,6 +15,9 @@ _COMMA: Final = re.compile(_KEY + r"(?P<text>[+-]?\d+,\d+)\s*(?:#.*)?$")
 _UNIT: Final = re.compile(
     _KEY + r"(?P<text>[+-]?\d+(?:\.\d+)?)\s*(?P<unit>mm|cm|m|deg|°|%)\s*(?:#.*)?$"
 )
+_FRACTION: Final = re.compile(_KEY + r"(?P<a>\d+(?:\.\d+)?)\s*/\s*(?P<b>\d+(?:\.\d+)?)\s*(?:#.*)?$")
+_ENDED: Final = re.compile(r"^(?P<line>\s*[^;#]+?)\s*[;,]\s*(?:#.*)?$")
+_COLON: Final = re.compile(r"^\s*(?P<key>[\w-]+)\s*:\s*(?P<text>[^\s#][^#]*?)\s*(?:#.*)?$")
 _BARE: Final = re.compile(_KEY + r"(?P<text>[^\s\"'\[{#][^#\"]*?)\s*(?:#.*)?$")
 _WORDS: Final = {"True": "true", "False": "false", "yes": "true", "no": "false"}
 
@@ -47,6 +50,13 @@ def unclosed(line: str) -> bool:
 
 
 def _advice(line: str) -> str:
+    if (found := _ENDED.match(line)) and _is_toml(found["line"]):
+        return f"nothing ends a line: {found['line'].strip()}"
+    if (found := _COLON.match(line)) and _is_toml(f"{found['key']} = {found['text']}"):
+        return f"= stands between key and value: {found['key']} = {found['text']}"
+    if (found := _FRACTION.match(line)) and float(found["b"]):
+        value = float(found["a"]) / float(found["b"])
+        return f"numbers stand without a slash: {found['key']} = {value:.12g}"
     if found := _BACKSLASH.match(line):
         return f"{WINDOWS}\n{found['key']} = {_quoted(found['text'])}"
     if found := _CURLED.match(line):
@@ -66,6 +76,14 @@ def _advice(line: str) -> str:
             return f"write {found['key']} = {_WORDS[found['text']]}"
         return f"text needs quotes: {found['key']} = {_quoted(found['text'])}"
     return ""
+
+
+def _is_toml(line: str) -> bool:
+    try:
+        tomllib.loads(line)
+    except (ValueError, RecursionError):
+        return False
+    return True
 
 
 def _quoted(text: str) -> str:

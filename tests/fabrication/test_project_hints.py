@@ -33,6 +33,11 @@ LINES = {
     "weld_mm = 1,5": "weld_mm = 1.5",
     "weld_mm = 5 mm": "weld_mm = 5",
     "weld_mm = 2.5mm": "weld_mm = 2.5",
+    "weld_mm = 1/2": "weld_mm = 0.5",
+    'file = "roof.obj";': 'file = "roof.obj"',
+    "flip = true,  # mine": "flip = true",
+    'file: "roof.obj"': 'file = "roof.obj"',
+    "weld_mm : 2.5 # fine": "weld_mm = 2.5",
 }
 
 
