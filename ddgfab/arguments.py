@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ddgfab.errors import ArgumentError
 
@@ -25,8 +25,14 @@ F = TypeVar("F", bound=Callable[..., Any])
 Check = Callable[[Any], bool]
 
 _ARRAY_PARTS: Final = frozenset(typing.get_args(ArrayLike))
-_NUMERIC: Final = "biufc"
-"""Kinds of numpy's types that are numbers or flags."""
+_NUMERIC: Final = "biuf"
+"""Kinds of numpy's types that are real numbers or flags."""
+
+COMPLEX: Final = "complex"
+"""Mark of an annotation: complex numbers are welcome."""
+
+Complexes = typing.Annotated[ArrayLike, COMPLEX]
+"""Annotation of arrays that may be complex; of other arrays the imaginary part would be lost."""
 
 _INSTEAD: Final = {
     ("Mesh", "array"): "its vertices are mesh.vertices, points of a net Net.from_mesh(mesh).points",
@@ -96,7 +102,7 @@ def checked(function: F) -> F:
 
     @functools.cache
     def tests() -> dict[str, tuple[Check, Any]]:
-        hints = typing.get_type_hints(function)
+        hints = typing.get_type_hints(function, include_extras=True)
         return {name: (_check(hints[name]), hints[name]) for name in names if name in hints}
 
     @functools.wraps(function)
@@ -110,17 +116,55 @@ def checked(function: F) -> F:
     return typing.cast(F, wrapper)
 
 
+# --- shapes --------------------------------------------------------------------------------------
+def together(**arrays: ArrayLike) -> list[NDArray[np.float64]]:
+    """Arrays of floats of one shape, from arrays whose shapes go together.
+
+    Raises
+    ------
+    ArgumentError
+        Shapes that do not go together; names the arguments with their shapes.
+    """
+    given = [np.asarray(value, dtype=np.float64) for value in arrays.values()]
+    try:
+        return list(np.broadcast_arrays(*given))
+    except ValueError:
+        shapes = ", ".join(
+            f"{name} {array.shape}" for name, array in zip(arrays, given, strict=True)
+        )
+        raise ArgumentError(f"shapes do not go together: {shapes}") from None
+
+
+def of_shape(value: ArrayLike, shape: tuple[int | None, ...], name: str) -> NDArray[np.float64]:
+    """An array of floats of a shape, in which None stands for any length, `...` not at all.
+
+    Raises
+    ------
+    ArgumentError
+        Another shape; names the argument.
+    """
+    array = np.asarray(value, dtype=np.float64)
+    wrong = array.ndim != len(shape) or any(
+        want is not None and have != want for have, want in zip(array.shape, shape, strict=False)
+    )
+    if wrong:
+        words = ", ".join("any" if want is None else str(want) for want in shape)
+        end = ",)" if len(shape) == 1 else ")"
+        raise ArgumentError(f"{name} has shape {array.shape}; ({words}{end} is needed")
+    return array
+
+
 # --- tests ---------------------------------------------------------------------------------------
-def is_numeric(value: Any) -> bool:
-    """Whether numpy makes an array of numbers or flags of it: a number, an array, nested lists."""
+def is_numeric(value: Any, kinds: str = _NUMERIC) -> bool:
+    """Whether numpy makes an array of real numbers or flags of it: a number, an array, lists."""
     if isinstance(value, np.ndarray):
-        return value.dtype.kind in _NUMERIC
+        return value.dtype.kind in kinds
     if isinstance(value, (str, bytes, Mapping)) or value is None:
         return False
     if not (isinstance(value, (numbers.Number, Sequence)) or hasattr(value, "__array__")):
         return False
     try:
-        return np.asarray(value).dtype.kind in _NUMERIC
+        return np.asarray(value).dtype.kind in kinds
     except (TypeError, ValueError):  # rows of different lengths, objects without numbers
         return False
 
@@ -133,6 +177,8 @@ def _check(hint: Any) -> Check:
         tests += [_check(part) for part in parts if not (tests and part in _ARRAY_PARTS)]
         return lambda value: any(test(value) for test in tests)
     if origin is typing.Annotated:
+        if COMPLEX in parts:
+            return lambda value: is_numeric(value, _NUMERIC + "c")
         return _check(parts[0])
     if origin is np.ndarray:
         return is_numeric
@@ -192,11 +238,11 @@ def _real(value: Any) -> bool:
 
 
 def _whole(value: Any) -> bool:
-    # A float passes: functions that count refuse those that are not whole, with their value.
+    # A whole float passes; one that is not finite is refused by its function, with the limit.
     try:
         operator.index(value)
     except TypeError:
-        return _real(value)
+        return _real(value) and (not np.isfinite(value) or float(value).is_integer())
     return True
 
 

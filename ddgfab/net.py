@@ -40,7 +40,7 @@ def shift(values: ArrayLike, axis: int, step: int = 1, *, periodic: bool = False
 
     Source: mathematics.md 1.1.
     """
-    array = np.asarray(values, dtype=np.float64)
+    array, axis, step = _along(values, axis), int(axis), int(step)
     if periodic:
         return np.roll(array, -step, axis=axis)
     size = array.shape[axis]
@@ -61,10 +61,18 @@ def difference(values: ArrayLike, axis: int, *, periodic: bool = False) -> Float
     >>> difference([1.0, 2.0, 4.0], 0, periodic=True)
     array([ 1.,  2., -3.])
     """
-    array = np.asarray(values, dtype=np.float64)
+    array, axis = _along(values, axis), int(axis)
     if periodic:
         return np.asarray(np.roll(array, -1, axis=axis) - array)
     return np.diff(array, axis=axis)
+
+
+def _along(values: ArrayLike, axis: int) -> Floats:
+    """The array, of which `axis` has to be a direction."""
+    array = np.asarray(values, dtype=np.float64)
+    if not -array.ndim <= axis < array.ndim:
+        raise InputError(f"axis {axis}: an array of shape {array.shape} has no such direction")
+    return array
 
 
 @dataclass(frozen=True, eq=False, repr=False)

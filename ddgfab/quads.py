@@ -183,7 +183,7 @@ def measure(
 
 def pairs(points: ArrayLike) -> list[tuple[int, int]]:
     """All pairs of directions of a net."""
-    d = np.asarray(points).ndim - 1
+    d = net_points(points).ndim - 1
     return [(k, m) for k in range(d) for m in range(k + 1, d)]
 
 

@@ -69,6 +69,9 @@ def likely_setting(
     scale : the scale in it
     stated : unit that the file states, which no setting may contradict
     """
+    for name, value in (("median_mm", median_mm), ("factor", factor), ("scale", scale)):
+        if not 0 < value < math.inf:
+            raise InputError(f"{name} {value}: a positive number is needed")
     own = median_mm / factor * scale
     if stated is None:
         for unit in ("m", "mm", "cm"):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, unit
 from ddgfab.quads import Place, cross, edge_frame, finite, measure, net_points
@@ -53,7 +53,11 @@ def axis_coplanarity(centres: ArrayLike, directions: ArrayLike, axis: int) -> Fl
     centres, directions : (M, N, 3) from `circle_axes`
     axis : the direction in which neighbours are taken
     """
-    c, n = np.asarray(centres, dtype=np.float64), np.asarray(directions, dtype=np.float64)
+    c = of_shape(centres, (None, None, 3), "centres")
+    n = of_shape(directions, c.shape, "directions")
+    if axis not in (0, 1):
+        raise InputError(f"axis {axis}: 0 or 1 is needed")
+    axis = int(axis)
     before, after = (np.take(n, range(k, n.shape[axis] - 1 + k), axis) for k in (0, 1))
     return np.asarray(np.sum(np.diff(c, axis=axis) * np.cross(before, after), axis=-1))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, unit
 from ddgfab.nets.axes import circle_axes, vertex_normals
@@ -262,7 +262,7 @@ def conical_to_circular(points: ArrayLike, first: ArrayLike | None = None) -> Fl
     x = x - origin
     n = face_normals(x)
     mirrors = [_mirrors(x, n, axis) for axis in (0, 1)]
-    start = np.zeros(3) if first is None else np.asarray(first, dtype=np.float64) - origin
+    start = np.zeros(3) if first is None else of_shape(first, (3,), "first") - origin
     if first is None:
         # Points depend on the first by motions; average where those ask it to be.
         zero = _reflect_all(np.zeros(3), mirrors, n.shape)

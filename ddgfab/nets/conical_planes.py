@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.axes import vertex_normals
@@ -207,9 +207,9 @@ def conical_plane(
 
     Source: mathematics.md 2.11.
     """
-    given = np.stack([np.asarray(x, dtype=np.float64) for x in (p, p1, p2, p3, p12, p13, p23)])
-    if given.shape != (7, 4):
-        raise InputError(f"seven planes (n, d) of four numbers; these have shape {given.shape[1:]}")
+    names = ("p", "p1", "p2", "p3", "p12", "p13", "p23")
+    planes = zip((p, p1, p2, p3, p12, p13, p23), names, strict=True)
+    given = np.stack([of_shape(plane, (4,), name) for plane, name in planes])
     scaled, frame = _blaschke(_planes(given[:, None], tolerance))
     x, x1, x2, x3, x12, x13, x23 = scaled[:, 0]
     return frame.back(cube_point(x, x1, x2, x3, x12, x13, x23, tolerance))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import Complexes, checked, together
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.quads import Place, columns, cross, dot, measure, norm
@@ -16,7 +16,7 @@ from ddgfab.quads import Place, columns, cross, dot, measure, norm
 
 @checked
 def complex_cross_ratio(
-    a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike
+    a: Complexes, b: Complexes, c: Complexes, d: Complexes
 ) -> NDArray[np.complex128]:
     """(a - b)(c - d) / ((b - c)(d - a)) of points of the complex plane; real when concircular.
 
@@ -27,7 +27,9 @@ def complex_cross_ratio(
 
     Source: mathematics.md 2.2.
     """
-    p, q, r, s = np.broadcast_arrays(*(np.asarray(z, dtype=np.complex128) for z in (a, b, c, d)))
+    given = [np.asarray(z, dtype=np.complex128) for z in (a, b, c, d)]
+    together(**{name: np.zeros(z.shape) for name, z in zip("abcd", given, strict=True)})
+    p, q, r, s = np.broadcast_arrays(*given)
     below = (q - r) * (s - p)
     Place().refuse(below == 0, "neighbouring corners coincide")
     return np.asarray((p - q) * (r - s) / below)

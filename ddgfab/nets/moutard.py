@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, together
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints
 from ddgfab.quads import (
@@ -107,7 +107,7 @@ def star_triangle(a12: ArrayLike, a23: ArrayLike, a31: ArrayLike) -> tuple[Float
 
     Source: mathematics.md 3.3.
     """
-    given = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in (a12, a23, a31)))
+    given = together(a12=a12, a23=a23, a31=a31)
     for a in given:
         finite(a, "coefficients")
     p, q, s = given

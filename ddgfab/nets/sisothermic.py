@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.circles import Circles, Spheres
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats, Ints, Mesh, unit
@@ -250,7 +250,7 @@ def dual_face(points: ArrayLike) -> Floats:
 
     Source: equations (16), (17) as corrected in mathematics.md 7.4.
     """
-    polygon = np.asarray(points, dtype=np.float64)
+    polygon = of_shape(points, (None, 3), "points")
     net = SIsothermic.of(Mesh.build(polygon, [list(range(len(polygon)))]))
     circle, r = net.incircles, net.radii
     turns = 1 + len(polygon) % 2

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ddgfab.arguments import checked
+from ddgfab.errors import InputError
 from ddgfab.measures import dihedral_angles, interior_angles, planarity_percent
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
@@ -128,5 +129,7 @@ def folded_faces(mesh: Mesh, before: Mesh | None = None) -> Ints:
         bad[gone[gone >= 0]] = True  # edges of the boundary have one face
         return bad
 
+    if before is not None and before.n_faces != mesh.n_faces:
+        raise InputError(f"before has {before.n_faces} faces; {mesh.n_faces} are needed")
     now = folded(mesh)
     return np.flatnonzero(now if before is None else now & ~folded(before))

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.errors import DegenerateError
 from ddgfab.measures.edge_offset import EDGE_RELATIVE, koebe_field
 from ddgfab.mesh import Floats, Mesh, unit
@@ -47,6 +47,7 @@ def beam_heights(mesh: Mesh, axes: Floats) -> Floats:
 
     Source: mathematics.md 10.4, 11a (beam cutting).
     """
+    axes = of_shape(axes, mesh.vertices.shape, "axes")
     start, end = mesh.edges.T
     along = unit(mesh.edge_vectors)
     heights = np.stack(

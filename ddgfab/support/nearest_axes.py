@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import block_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.errors import SupportError
 from ddgfab.measures import torsion
 from ddgfab.mesh import Floats, Ints, Mesh, unit
@@ -165,6 +165,10 @@ def optimize(
     Source: sequential quadratic programming, Nocedal and Wright 2006, ch. 18.
     """
     chosen = options or OptimizeOptions()
+    shape = mesh.vertices.shape
+    start = None if start is None else of_shape(start, shape, "start")
+    target = None if target is None else of_shape(target, shape, "target")
+    weights = None if weights is None else of_shape(weights, shape[:1], "weights")
     used = mesh.valences > 0
     aim = mesh.vertex_normals if target is None else target
     normals = np.where(used[:, None], aim, np.array([0.0, 0.0, 1.0]))

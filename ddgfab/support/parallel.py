@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.support.nearest_axes import tangent_frames
 from ddgfab.symmetric import factored
@@ -52,7 +52,10 @@ def parallel_field(mesh: Mesh, target: Floats, weights: Floats | None = None) ->
     target : (V, 3)
     weights : (V,) positive; 1 by default
     """
-    weight = np.repeat(np.ones(mesh.n_vertices) if weights is None else weights, 3)
+    shape = mesh.vertices.shape
+    target = of_shape(target, shape, "target")
+    own = np.ones(shape[0]) if weights is None else of_shape(weights, shape[:1], "weights")
+    weight = np.repeat(own, 3)
     matrix = edge_conditions(mesh)
     factor = factored(diags_array(weight) + PENALTY * (matrix.T @ matrix))
     field = np.zeros(matrix.shape[1])

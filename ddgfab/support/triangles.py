@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.errors import SupportError
 from ddgfab.io.pairs import paired_in_order
 from ddgfab.measures import torsion
@@ -48,7 +48,7 @@ def central(mesh: Mesh, centre: ArrayLike | None = None) -> SupportStructure:
     SupportError
         The centre is a vertex.
     """
-    z = best_centre(mesh) if centre is None else np.asarray(centre, dtype=np.float64)
+    z = best_centre(mesh) if centre is None else of_shape(centre, (3,), "centre")
     used = mesh.valences > 0
     axes = (
         np.broadcast_to(mesh.vertex_normals.sum(axis=0), mesh.vertices.shape)

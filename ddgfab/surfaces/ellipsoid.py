@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, together
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, unit
 
@@ -76,7 +76,7 @@ def ellipsoid_umbilics(a: float = 9.0, b: float = 4.0, c: float = 1.0) -> Floats
 def _checked(u: ArrayLike, v: ArrayLike, a: float, b: float, c: float) -> tuple[Floats, Floats]:
     if not (np.inf > a > b > c > 0):
         raise InputError(f"squared semi-axes {a:g}, {b:g}, {c:g}: a > b > c > 0 is needed")
-    p, q = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, dtype=np.float64))
+    p, q = together(u=u, v=v)
     for name, values, low, high in (("u", p, b, a), ("v", q, c, b)):
         bad = ~((values >= low) & (values <= high))
         if bad.any():

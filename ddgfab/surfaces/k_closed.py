@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import Any, Final, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import Complexes, checked
 from ddgfab.errors import InputError
 
 Array: TypeAlias = NDArray[Any]  # float64, or complex128 where a parameter is complex
@@ -23,7 +23,7 @@ QUADRATURE: Final = 60
 
 
 @checked
-def pseudosphere_lines(u: ArrayLike, v: ArrayLike) -> Array:
+def pseudosphere_lines(u: Complexes, v: Complexes) -> Array:
     """(..., 3) points (sech u cos v, sech u sin v, u - tanh u); the cuspidal edge is u = 0."""
     p, q = np.broadcast_arrays(u, v)
     sech = 1.0 / np.cosh(p)
@@ -31,7 +31,7 @@ def pseudosphere_lines(u: ArrayLike, v: ArrayLike) -> Array:
 
 
 @checked
-def kuen_lines(u: ArrayLike, v: ArrayLike) -> Array:
+def kuen_lines(u: Complexes, v: Complexes) -> Array:
     """(..., 3) points of Kuen's surface, 0 < v < pi; cuspidal edges where u sin v = +-1."""
     p, q = np.broadcast_arrays(u, v)
     d = 1.0 + p * p * np.sin(q) ** 2
@@ -46,7 +46,7 @@ def kuen_lines(u: ArrayLike, v: ArrayLike) -> Array:
 
 
 @checked
-def breather_lines(u: ArrayLike, v: ArrayLike, rate: float) -> Array:
+def breather_lines(u: Complexes, v: Complexes, rate: float) -> Array:
     """(..., 3) points of the breather that decays along u at a rate between 0 and 1.
 
     Raises
@@ -73,7 +73,7 @@ def breather_lines(u: ArrayLike, v: ArrayLike, rate: float) -> Array:
 
 
 @checked
-def dini_lines(u: ArrayLike, v: ArrayLike, sigma: float = 0.5 * np.pi) -> Array:
+def dini_lines(u: Complexes, v: Complexes, sigma: float = 0.5 * np.pi) -> Array:
     """(..., 3) points of Dini's surface: the tractrix in u turned by v and raised with it.
 
     Lines v = const are the tractrices; the lines u = const are helices across them at an angle, so
@@ -96,7 +96,7 @@ def dini_lines(u: ArrayLike, v: ArrayLike, sigma: float = 0.5 * np.pi) -> Array:
 
 
 @checked
-def rotational_lines(u: ArrayLike, v: ArrayLike, waist: float) -> Array:
+def rotational_lines(u: Complexes, v: Complexes, waist: float) -> Array:
     """(..., 3) points of the waisted rotational surface: radius waist cosh u, v its azimuth.
 
     u is the arc length of the meridian; the height is the integral of sqrt(1 - waist^2 sinh^2 u),

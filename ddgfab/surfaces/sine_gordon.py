@@ -13,7 +13,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, together
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.tolerances import RELATIVE_DEGENERATE
@@ -66,10 +66,11 @@ def permute(phi: ArrayLike, first: ArrayLike, second: ArrayLike, a: float, b: fl
     """
     _distinct([a, b])
     ratio = (a + b) / (a - b)
-    quarter = 0.25 * (np.asarray(first, dtype=np.float64) - np.asarray(second, dtype=np.float64))
+    base, one, other = together(phi=phi, first=first, second=second)
+    quarter = 0.25 * (one - other)
     turns = np.round(quarter / np.pi)
     own = np.arctan(abs(ratio) * np.tan(quarter - np.pi * turns)) + np.pi * turns
-    return np.asarray(np.asarray(phi, dtype=np.float64) + 4.0 * np.sign(ratio) * own)
+    return np.asarray(base + 4.0 * np.sign(ratio) * own)
 
 
 @checked
@@ -96,7 +97,7 @@ def solitons(
     """
     _parameters(parameters, constants)
     _distinct(parameters)
-    p, q = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, dtype=np.float64))
+    p, q = together(u=u, v=v)
     before = [np.zeros(p.shape)] * (len(parameters) + 1)
     row = [soliton(p, q, a, c) for a, c in zip(parameters, constants, strict=True)]
     for width in range(2, len(parameters) + 1):

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape, together
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
@@ -38,11 +38,18 @@ def invert(points: ArrayLike, centre: ArrayLike, radius: float) -> Floats:
     >>> invert([2.0, 0.0, 0.0], [0.0, 0.0, 0.0], 1.0)
     array([0.5, 0. , 0. ])
     """
-    x = np.asarray(points, dtype=np.float64)
-    away = x - np.asarray(centre, dtype=np.float64)
+    x, c = _in_space(points, "points"), of_shape(centre, (3,), "centre")
+    away = x - c
     square = np.sum(away * away, axis=-1, keepdims=True)
     _refuse_center(square[..., 0], radius)
-    return np.asarray(centre + radius**2 * away / square)
+    return np.asarray(c + radius**2 * away / square)
+
+
+def _in_space(points: ArrayLike, name: str) -> Floats:
+    x = np.asarray(points, dtype=np.float64)
+    if not x.ndim or x.shape[-1] != 3:
+        raise InputError(f"{name} have shape {x.shape}; (..., 3) is needed")
+    return x
 
 
 def _refuse_center(square: Floats, radius: float) -> None:
@@ -63,8 +70,9 @@ def invert_normals(points: ArrayLike, normals: ArrayLike, centre: ArrayLike) -> 
     Contact elements go to contact elements, so normals by reflection (`circular.vertex_normals`)
     stay such. The side is kept: a normal away from the centre becomes one towards it.
     """
-    away = np.asarray(points, dtype=np.float64) - np.asarray(centre, dtype=np.float64)
-    n = np.asarray(normals, dtype=np.float64)
+    away = _in_space(points, "points") - of_shape(centre, (3,), "centre")
+    _refuse_center(np.sum(away * away, axis=-1), 0.0)
+    n = together(points=away, normals=normals)[1]
     along = np.sum(n * away, axis=-1, keepdims=True) / np.sum(away * away, axis=-1, keepdims=True)
     return np.asarray(n - 2.0 * along * away)
 

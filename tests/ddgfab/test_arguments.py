@@ -22,12 +22,17 @@ from numpy.typing import ArrayLike
 import ddgfab
 from ddgfab import io, nets, transforms
 from ddgfab.arguments import checked
-from ddgfab.errors import ArgumentError, DdgError
+from ddgfab.errors import ArgumentError, DdgError, InputError
 from ddgfab.grid import grid_mesh
 from ddgfab.linkages import flex
 from ddgfab.mesh import Mesh
 from ddgfab.net import Net
 from ddgfab.nets.knet import KNet, knet
+from ddgfab.support import central
+from ddgfab.support import optimize as nearest_axes
+from ddgfab.support.edge import beam_heights
+from ddgfab.support.parallel import parallel_field
+from ddgfab.transforms import invert, invert_normals
 
 POINTS = np.stack([*np.meshgrid(np.arange(4.0), np.arange(3.0), indexing="ij"), np.ones((4, 3))], 2)
 MESH = grid_mesh(POINTS)
@@ -204,3 +209,35 @@ def test_constructors_and_methods_name_what_is_wrong() -> None:
     for call, message in cases:
         with pytest.raises(DdgError, match=message):
             call()
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: nets.planarity(POINTS + 1j), "complex128; an array of numbers is needed"),
+        (lambda: invert(POINTS, np.array([0, 1j, 0]), 1.0), "complex128; an array of numbers"),
+        (lambda: nets.shift(POINTS, 2.5), "axis is 2.5; an integer is needed"),
+        (lambda: nets.shift(POINTS, 5), "axis 5: an array of shape"),
+        (lambda: nets.difference(POINTS, -4, periodic=True), "axis -4"),
+        (lambda: invert(POINTS, [0.0, 1.0], 1.0), r"centre has shape \(2,\); \(3,\) is needed"),
+        (lambda: invert(POINTS[..., :2], [0.0, 0, 9], 1.0), r"\(\.\.\., 3\) is needed"),
+        (lambda: invert_normals(POINTS, POINTS[:2], [0.0, 0, 9]), "shapes do not go together"),
+        (lambda: nets.star_triangle([1.0, 2], [1.0, 2, 3], 1.0), r"a12 \(2,\), a23 \(3,\)"),
+        (lambda: nets.conjugate_residuals([1.0, 2.0]), "a net has shape"),
+        (lambda: nets.conical_to_circular(POINTS, [1.0, 2.0]), r"first has shape \(2,\)"),
+        (lambda: nets.axis_coplanarity(POINTS, POINTS[:2], 0), "directions has shape"),
+        (lambda: nets.complex_cross_ratio([1.0, 2], [1.0, 2, 3], 1, 2), r"a \(2,\), b \(3,\)"),
+        (lambda: central(grid_mesh(POINTS), [1.0]), r"centre has shape \(1,\)"),
+        (lambda: nearest_axes(grid_mesh(POINTS), POINTS[0]), r"start has shape \(3, 3\)"),
+        (lambda: parallel_field(grid_mesh(POINTS), POINTS[0]), r"target has shape \(3, 3\)"),
+        (lambda: beam_heights(grid_mesh(POINTS), POINTS[0]), r"axes has shape \(3, 3\)"),
+    ],
+)
+def test_shapes_and_kinds_that_do_not_fit_are_named(call: Any, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        call()
+
+
+def test_complex_numbers_are_taken_where_they_mean_something() -> None:
+    assert nets.complex_cross_ratio(0, 1, 1 + 1j, 1j) == pytest.approx(-1.0)
+    assert nets.shift([1.0, 2.0, 4.0], 0.0).tolist() == [2.0, 4.0]  # type: ignore[arg-type]
