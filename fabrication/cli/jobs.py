@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -62,10 +62,11 @@ def run_job(
     if options.dry_run:
         place.check()
         made = design()
-        plan = plan_job(made.product(), options.output, anyway=options.anyway, force=options.force)
+        product = made.product()
+        plan = plan_job(product, options.output, anyway=options.anyway, force=options.force)
         for line in about(made):
             run.say(line)
-        _report_plan(run, plan)
+        _report_plan(run, plan, product.notes)
         return FAILED if plan.problems else DONE
     place.prepare()
     run.detail(f"processes: {process_count(output.jobs)}")
@@ -131,9 +132,11 @@ def to_open(product: Product, files: list[str]) -> list[str]:
     return wanted[:SHOWN]
 
 
-def _report_plan(run: Session, plan: Plan) -> None:
+def _report_plan(run: Session, plan: Plan, notes: Sequence[str]) -> None:
     """What a job would make."""
     run.say(f"{_count(plan.pieces, 'part')} of {_count(plan.numbers, 'part number')}")
+    for note in notes:
+        run.say(f"note: {note}")
     for problem in plan.problems:
         run.fail(f"FAILED {problem}")
     for kind, count in plan.kinds:

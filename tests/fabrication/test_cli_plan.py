@@ -14,6 +14,7 @@ from roofs import barrel
 from typer.testing import CliRunner
 
 from ddgfab.io import write_obj
+from ddgfab.mesh import Mesh
 from fabrication import kit
 from fabrication.cli import app
 from fabrication.gridshell.design import design
@@ -73,6 +74,19 @@ def test_the_command_writes_nothing_and_counts(roof: Path) -> None:
     assert f"parts/step/: {numbers[2]} files: BP-001.step to PP-" in said
     assert f"dry run: {int(numbers[2]) + 11} files would be written to out" in said
     assert [path.name for path in roof.iterdir()] == ["roof.obj"]
+
+
+def test_a_plan_says_the_notes_of_the_job(roof: Path) -> None:
+    """Glass below the beams and a profile that lies flat are no surprise of the job itself."""
+    mesh = barrel()
+    turned = [face[::-1].tolist() for face in mesh.faces]
+    write_obj(roof / "down.obj", Mesh.build(mesh.vertices, turned))
+    code, text = run("make", "down.obj", "--dry-run", "--set", "beam.profile=RHS 60x120x5")
+    assert code == 0
+    assert "note: its faces look down" in text
+    notes = design("down.obj", beam={"profile": "RHS 60x120x5"}).product().notes
+    assert len(notes) > 1
+    assert all(f"note: {note}" in text for note in notes)
 
 
 def test_exit_codes_are_those_of_the_job(roof: Path) -> None:
