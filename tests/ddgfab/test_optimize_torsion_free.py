@@ -160,7 +160,7 @@ def test_no_vertex_moves_beyond_the_limit() -> None:
     mesh = vault()
     free = torsion_free(mesh)
     limit = 0.8 * free.movement_max
-    result = torsion_free(mesh, max_movement=limit)
+    result = torsion_free(mesh, max_movement=limit, rise_limit=0.75)
     check(result, 30.0)
     assert result.movement_max < limit
 
@@ -184,7 +184,8 @@ def test_gliding_boundary() -> None:
 def test_a_fixed_boundary() -> None:
     """Possible where the boundary nearly follows principal lines, and refused where it does not."""
     mesh = vault(turn_deg=5.0)
-    result = torsion_free(mesh, boundary="fixed", max_lean=np.radians(28.0), zigzag_limit=0.3)
+    wide = {"zigzag_limit": 0.3, "stretch_limit": 1.0}  # edges next to the boundary stretch
+    result = torsion_free(mesh, boundary="fixed", max_lean=np.radians(28.0), **wide)
     check(result, 28.0)
     rim = mesh.boundary_vertex
     assert np.array_equal(result.mesh.vertices[rim], mesh.vertices[rim])
