@@ -71,6 +71,16 @@ def test_one_process_stays_and_each_file_has_a_copy_of_it(file: Path) -> None:
     assert apart(process_of, file)[1] != stays
 
 
+def test_paths_are_seen_from_the_folder_of_the_question(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "file.txt").write_text(name)
+        monkeypatch.chdir(tmp_path / name)
+        assert apart(Path.read_text, Path("file.txt")) == name
+
+
 def test_limits_end_a_hang_and_hunger(file: Path) -> None:
     begin = time.process_time()
     with pytest.raises(InputError, match="takes more than 4 s of computing, the limit"):

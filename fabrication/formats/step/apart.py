@@ -70,12 +70,13 @@ def apart(function: Callable[..., _T], path: Path, *arguments: Any, foreign: boo
     size = _regular(path)
     if _HERE[0]:
         return _timed(function, path, arguments, size)
+    folder = None if path.is_absolute() else Path.cwd()
     with _LOCK:
         for _ in range(2):
             child = _child()
             used = child.served > 0
             try:
-                kind, value = child.ask((function, path, arguments, foreign), size)
+                kind, value = child.ask((folder, function, path, arguments, foreign), size)
             except _DiedError as died:
                 if not child.alive:
                     _drop()
@@ -257,9 +258,11 @@ def serve() -> None:
         answers.write(data)
         answers.flush()
         try:
-            (function, path, arguments, foreign), size = pickle.load(questions)
+            (folder, function, path, arguments, foreign), size = pickle.load(questions)
         except EOFError:
             os._exit(0)  # leaving the kernel takes time
+        if folder is not None:
+            os.chdir(folder)
         if foreign and _COPIES:
             answer = _copied(function, path, arguments, size)
         else:
