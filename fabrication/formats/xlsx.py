@@ -127,7 +127,7 @@ def write_xlsx(
         "strings_to_formulas": False,
         "strings_to_urls": False,
         "strings_to_numbers": False,
-        "default_format_properties": FONT,
+        "default_format_properties": dict(FONT),  # xlsxwriter writes into it
     }
     known = legends or {}
     stream = io.BytesIO()
