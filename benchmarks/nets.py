@@ -43,12 +43,12 @@ def loop_evolve(first: Floats, second: Floats, angles: Floats) -> Floats:
             x, x1, x2 = net[i, j], net[i + 1, j], net[i, j + 1]
             a, b = x1 - x, x2 - x
             n = np.cross(a, b)
-            centre = x + (b @ b * np.cross(n, a) + a @ a * np.cross(b, n)) / (2 * n @ n)
+            center = x + (b @ b * np.cross(n, a) + a @ a * np.cross(b, n)) / (2 * n @ n)
             e = -a / np.linalg.norm(a)
             w = b - (b @ e) * e
             w /= np.linalg.norm(w)
             d = math.cos(angles[i, j]) * e + math.sin(angles[i, j]) * w
-            net[i + 1, j + 1] = x1 + 2 * ((centre - x1) @ d) * d
+            net[i + 1, j + 1] = x1 + 2 * ((center - x1) @ d) * d
     return net
 
 
@@ -60,10 +60,10 @@ def loop_measures(net: Floats) -> tuple[float, float, float]:
             x, x1, x2, x12 = net[i, j], net[i + 1, j], net[i, j + 1], net[i + 1, j + 1]
             a, b = x1 - x, x2 - x
             n = np.cross(a, b)
-            centre = x + (b @ b * np.cross(n, a) + a @ a * np.cross(b, n)) / (2 * n @ n)
-            radius = np.linalg.norm(centre - x)
+            center = x + (b @ b * np.cross(n, a) + a @ a * np.cross(b, n)) / (2 * n @ n)
+            radius = np.linalg.norm(center - x)
             off = max(
-                abs(np.linalg.norm(x12 - centre) - radius),
+                abs(np.linalg.norm(x12 - center) - radius),
                 abs((x12 - x) @ n) / np.linalg.norm(n),
             )
             m = np.cross(x12 - x, x2 - x1)

@@ -16,12 +16,12 @@ class Circles:
 
     Attributes
     ----------
-    centres : (N, 3)
+    centers : (N, 3)
     normals : (N, 3) unit normals of their planes
     radii : (N,)
     """
 
-    centres: Floats
+    centers: Floats
     normals: Floats
     radii: Floats
 
@@ -47,11 +47,11 @@ class Circles:
         x, y = self.frames()
         angle = np.arange(count) * (2.0 * np.pi / count)
         around = np.cos(angle)[:, None] * x[:, None] + np.sin(angle)[:, None] * y[:, None]
-        return np.asarray(self.centres[:, None] + self.radii[:, None, None] * around)
+        return np.asarray(self.centers[:, None] + self.radii[:, None, None] * around)
 
     def scaled(self, factor: float) -> Circles:
         """The circles with all lengths times a positive factor."""
-        return Circles(self.centres * factor, self.normals, self.radii * factor)
+        return Circles(self.centers * factor, self.normals, self.radii * factor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +60,11 @@ class Spheres:
 
     Attributes
     ----------
-    centres : (N, 3)
+    centers : (N, 3)
     radii : (N,)
     """
 
-    centres: Floats
+    centers: Floats
     radii: Floats
 
     def __len__(self) -> int:
@@ -73,20 +73,20 @@ class Spheres:
     def great_circles(self) -> Circles:
         """(3 N) circles of each sphere in planes across x, y and z."""
         return Circles(
-            np.repeat(self.centres, 3, axis=0),
+            np.repeat(self.centers, 3, axis=0),
             np.tile(np.eye(3), (len(self), 1)),
             np.repeat(self.radii, 3),
         )
 
     def scaled(self, factor: float) -> Spheres:
         """The spheres with all lengths times a positive factor."""
-        return Spheres(self.centres * factor, self.radii * factor)
+        return Spheres(self.centers * factor, self.radii * factor)
 
 
 def circles_on_sphere(vectors: Floats) -> Circles:
     """Circles (N, 4) of Lorentz space, (a, b) for the plane <a, x> = b, on the unit sphere.
 
-    <a, a> - b^2 = 1: the radius is 1 / |a|, the centre b a / |a|^2.
+    <a, a> - b^2 = 1: the radius is 1 / |a|, the center b a / |a|^2.
     """
     size = np.linalg.norm(vectors[:, :3], axis=1)
     normals = vectors[:, :3] / size[:, None]

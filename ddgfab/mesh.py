@@ -299,7 +299,7 @@ class Mesh:
         return unit(self.vector_areas)
 
     @cached_property
-    def face_centres(self) -> Floats:
+    def face_centers(self) -> Floats:
         """(F, 3) means of the corners."""
         return self._face_sum(self.vertices[self.corners]) / self.face_sizes[:, None]
 

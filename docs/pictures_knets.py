@@ -207,10 +207,10 @@ def moved(sheet: Sheet, onto: Mesh) -> Sheet:
     np.add.at(other, onto.corners, np.repeat(onto.face_areas / 4, 4))
 
     def moments(points: Floats, mass: Floats) -> tuple[Floats, Floats, float]:
-        centre = mass @ points / mass.sum()
-        away = points - centre
+        center = mass @ points / mass.sum()
+        away = points - center
         spread, axes = np.linalg.eigh((away * mass[:, None]).T @ away / mass.sum())
-        return centre, axes, float(np.sqrt(spread.sum()))
+        return center, axes, float(np.sqrt(spread.sum()))
 
     (a, p, small), (b, q, large) = moments(x, weight), moments(y, other)
     best: tuple[float, Floats] | None = None

@@ -52,7 +52,7 @@ GALLERY: dict[str, tuple[Callable[[], MinimalNet], Whole | None, tuple[float, fl
 
 def upper(solid: KoebePolyhedron) -> tuple[KoebePolyhedron, Mask]:
     """With the quads above the equator."""
-    return solid, (solid.mesh.face_centres[:, 2] > 0) & (solid.mesh.face_sizes == 4)
+    return solid, (solid.mesh.face_centers[:, 2] > 0) & (solid.mesh.face_sizes == 4)
 
 
 def all_of(solid: KoebePolyhedron) -> tuple[KoebePolyhedron, Mask]:

@@ -24,7 +24,7 @@ def main() -> None:
     for vertex in structure.worst_vertices(3):
         sys.stdout.write(f"  vertex {vertex} leans {np.degrees(structure.lean[vertex]):.1f} deg\n")
 
-    # Cut into triangles the same roof has only axes through one centre (Prop. 5.2).
+    # Cut into triangles the same roof has only axes through one center (Prop. 5.2).
     corners = np.stack(roof.faces)
     triangles = Mesh.build(roof.vertices, np.concatenate([corners[:, :3], corners[:, [0, 2, 3]]]))
     try:

@@ -37,14 +37,14 @@ def errors(cells: int) -> dict[str, tuple[float, float]]:
             float(np.nanmean(np.abs(k - smooth_k) / smooth_k)),
         )
 
-    centre = np.meshgrid(0.5 * (u[1:] + u[:-1]), 0.5 * (v[1:] + v[:-1]), indexing="ij")
+    center = np.meshgrid(0.5 * (u[1:] + u[:-1]), 0.5 * (v[1:] + v[:-1]), indexing="ij")
     found = {}
     # Faces: the normals of a circular net are a parallel mesh, its Gauss image.
     steiner = steiner_curvatures(mesh, normals.reshape(-1, 3))
-    found["Steiner"] = compared(steiner.mean, steiner.gauss, *(c.ravel() for c in centre))
+    found["Steiner"] = compared(steiner.mean, steiner.gauss, *(c.ravel() for c in center))
     # Quads, skew or not, with unit normals at their corners.
     gauss, mean = skew_curvature(x, normals)
-    found["skew quads"] = compared(mean, gauss, *centre)
+    found["skew quads"] = compared(mean, gauss, *center)
     # Vertices of triangles: gradient of the area, and what the angles lack to a full turn.
     triangles = triangulate(mesh)
     h = cotangent_mean_curvature(triangles)

@@ -23,14 +23,14 @@ from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
 @checked
-def canal_circles(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats, Floats]:
-    """Centres (K - 1, 3), radii (K - 1,) and unit normals (K - 1, 3) of the circles of a canal.
+def canal_circles(centers: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Centers (K - 1, 3), radii (K - 1,) and unit normals (K - 1, 3) of the circles of a canal.
 
     Circle k is where spheres k and k + 1 meet.
 
     Parameters
     ----------
-    centres : (K, 3) of the spheres
+    centers : (K, 3) of the spheres
     radii : (K,)
 
     Raises
@@ -42,9 +42,9 @@ def canal_circles(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats,
 
     Source: envelope of spheres (Monge); the radical plane of two spheres.
     """
-    m, r = np.asarray(centres, dtype=np.float64), np.asarray(radii, dtype=np.float64)
+    m, r = np.asarray(centers, dtype=np.float64), np.asarray(radii, dtype=np.float64)
     if m.ndim != 2 or m.shape[1] != 3 or len(m) < 2 or r.shape != m.shape[:1]:
-        raise InputError(f"centres {m.shape} and radii {r.shape}: (K, 3) and (K,), K > 1, needed")
+        raise InputError(f"centers {m.shape} and radii {r.shape}: (K, 3) and (K,), K > 1, needed")
     step = np.diff(m, axis=0)
     distance = np.linalg.norm(step, axis=1)
     low, high = np.abs(np.diff(r)), r[1:] + r[:-1]
@@ -53,7 +53,7 @@ def canal_circles(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats,
     if len(bad):
         k = bad[0]
         raise DegenerateError(
-            f"spheres {k} and {k + 1} of the canal do not cross: their centres are "
+            f"spheres {k} and {k + 1} of the canal do not cross: their centers are "
             f"{distance[k]:.6g} apart, limits {low[k]:.6g} to {high[k]:.6g} "
             "(difference and sum of their radii)"
         )
@@ -64,7 +64,7 @@ def canal_circles(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats,
 
 @checked
 def canal_net(
-    centres: ArrayLike, radii: ArrayLike, angles: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
+    centers: ArrayLike, radii: ArrayLike, angles: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
 ) -> Floats:
     """(K - 1, N + 1, 3) circular net on the canal surface of K spheres.
 
@@ -73,7 +73,7 @@ def canal_net(
 
     Parameters
     ----------
-    centres, radii : (K, 3) and (K,) of the spheres
+    centers, radii : (K, 3) and (K,) of the spheres
     angles : (N + 1,) [rad] on the first circle, from the right-hand side upwards, seen along the
         spine
     up : (3,) upward direction at the first circle; what is along the spine is dropped
@@ -87,7 +87,7 @@ def canal_net(
     Source: inversions swapping cospherical circles; Bobenko, Suris, Discrete Differential
     Geometry, 3.1; mathematics.md 2.1.
     """
-    m, r = np.asarray(centres, dtype=np.float64), np.asarray(radii, dtype=np.float64)
+    m, r = np.asarray(centers, dtype=np.float64), np.asarray(radii, dtype=np.float64)
     middle, radius, normal = canal_circles(m, r)
     right = np.cross(normal[0], np.asarray(up, dtype=np.float64))
     if np.linalg.norm(right) <= RELATIVE_DEGENERATE:
@@ -103,7 +103,7 @@ def canal_net(
 
 
 def _swapped(
-    points: Floats, centre: Floats, radius: float, first: Floats, second: Floats, on: Floats, k: int
+    points: Floats, center: Floats, radius: float, first: Floats, second: Floats, on: Floats, k: int
 ) -> Floats:
     """Points of circle k - 1 carried to circle k by the inversion that swaps them on sphere k.
 
@@ -112,7 +112,7 @@ def _swapped(
     """
     rows = []
     for axis, middle in ((first, on[k - 1]), (second, on[k])):
-        height = float(axis @ (middle - centre)) / radius
+        height = float(axis @ (middle - center)) / radius
         rows.append(np.append(axis, height) / np.sqrt(1.0 - height**2))
     mirror = rows[0] + rows[1]
     square = float(mirror[:3] @ mirror[:3] - mirror[3] ** 2)
@@ -121,10 +121,10 @@ def _swapped(
             f"the spine turns back at sphere {k}: no inversion swaps its two circles "
             f"({square:.1e}, limit {RELATIVE_DEGENERATE:g})"
         )
-    y = (points - centre) / radius
+    y = (points - center) / radius
     strength = 2.0 * (y @ mirror[:3] - mirror[3]) / square
     image = (y - strength[:, None] * mirror[:3]) / (1.0 - strength * mirror[3])[:, None]
-    return np.asarray(centre + radius * unit(image))
+    return np.asarray(center + radius * unit(image))
 
 
 @generator("canal")
@@ -164,7 +164,7 @@ def canal_roof(
     steps = np.diff(ground, axis=0)
     slope = np.tan(0.5 * (pitch[1:] + pitch[:-1]))
     rise = np.concatenate([[0.0], np.cumsum(slope * np.linalg.norm(steps, axis=1))])
-    centres = np.concatenate([ground, rise[:, None]], axis=1)
+    centers = np.concatenate([ground, rise[:, None]], axis=1)
     a, b, c = start_radius_mm, middle_radius_mm, end_radius_mm
     radii = a * (1 - way) * (1 - 2 * way) + 4 * b * way * (1 - way) + c * way * (2 * way - 1)
     bad = np.flatnonzero(radii <= 0)
@@ -175,4 +175,4 @@ def canal_roof(
         )
     half = 0.5 * np.radians(arch_deg)
     angles = np.linspace(0.5 * np.pi - half, 0.5 * np.pi + half, panels_across + 1)
-    return grid_mesh(grounded(checked_forward(canal_net(centres, radii, angles))))
+    return grid_mesh(grounded(checked_forward(canal_net(centers, radii, angles))))

@@ -73,7 +73,7 @@ def facing(mesh: Mesh, outwards: ArrayLike) -> Mesh:
 
 def round_tower(mesh: Mesh) -> Mesh:
     """The mesh on the ground z = 0, its faces outwards from its axis."""
-    away = mesh.face_centres * [1.0, 1.0, 0.0]
+    away = mesh.face_centers * [1.0, 1.0, 0.0]
     return facing(mesh, away).with_vertices(grounded(mesh.vertices))
 
 

@@ -56,7 +56,7 @@ def koebe_ball(
 ) -> Mesh:
     """Ball or dome whose edges touch a sphere: a Koebe polyhedron, beams of one height.
 
-    Panels are planar with incircles that touch each other, node axes run through the centre.
+    Panels are planar with incircles that touch each other, node axes run through the center.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def koebe_ball(
     if shape in ("prism", "antiprism") and cells < 3:
         raise ParameterError(f"cells = {cells}: a {shape} has 3 sides or more", "cells")
     mesh = koebe_solid(shape, cells, polyhedron_file).mesh
-    keep = mesh.face_centres[:, 2] >= base
+    keep = mesh.face_centers[:, 2] >= base
     if base > -1.0 and not keep.all():
         if not keep.any():
             raise ParameterError(f"base = {base:g} leaves no panel", "base")

@@ -25,7 +25,7 @@ def write_circles(
 ) -> None:
     """Write circles and spheres by kind, atomically; the suffix says the format: .csv or .obj.
 
-    CSV: a row each with centre, normal and radius as shortest exact decimals. OBJ: a group for
+    CSV: a row each with center, normal and radius as shortest exact decimals. OBJ: a group for
     each kind; a closed polyline for each circle, three great circles for each sphere.
 
     Parameters
@@ -51,9 +51,9 @@ def write_circles(
 def _csv(curves: Mapping[str, Circles | Spheres]) -> list[str]:
     rows = [",".join(COLUMNS)]
     for kind, given in curves.items():
-        centres = given.centres.tolist()
+        centers = given.centers.tolist()
         normals = given.normals.tolist() if isinstance(given, Circles) else [[""] * 3] * len(given)
-        for i, (c, n, r) in enumerate(zip(centres, normals, given.radii.tolist(), strict=True)):
+        for i, (c, n, r) in enumerate(zip(centers, normals, given.radii.tolist(), strict=True)):
             rows.append(",".join([kind, str(i), *map(str, (*c, *n, r))]))
     return rows
 

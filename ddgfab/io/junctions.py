@@ -58,7 +58,7 @@ def _part_of(mesh: Mesh, a: int, b: int) -> bool:
 def _inward(mesh: Mesh, ends: Floats, faces: Ints) -> Floats:
     """Unit vectors across an edge into a face."""
     along = unit(ends[:, 1] - ends[:, 0])
-    way = mesh.face_centres[faces] - ends[:, 0]
+    way = mesh.face_centers[faces] - ends[:, 0]
     return unit(way - np.einsum("ij,ij->i", way, along)[:, None] * along)
 
 

@@ -305,7 +305,7 @@ def _describe(mesh: Mesh) -> list[str]:
     closed = np.setdiff1d(np.arange(count), open_parts)
     if len(closed):
         middle = mesh.vertices.mean(axis=0)
-        share = np.einsum("ij,ij->i", mesh.face_centres - middle, mesh.vector_areas)
+        share = np.einsum("ij,ij->i", mesh.face_centers - middle, mesh.vector_areas)
         inward = [c for c in closed.tolist() if share[mesh.components == c].sum() < 0]
         if inward:
             notes.append(

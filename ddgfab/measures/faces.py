@@ -26,9 +26,9 @@ def _by_size(mesh: Mesh) -> Iterator[tuple[Ints, Floats]]:
 
 def _heights(points: Floats) -> Floats:
     """(n, k) signed distances of (n, k, 3) points from the plane of least squares of each set."""
-    centred = points - points.mean(axis=1, keepdims=True)
-    normal = np.linalg.svd(centred, full_matrices=False)[2][:, -1]
-    heights: Floats = np.einsum("nkj,nj->nk", centred, normal)
+    centered = points - points.mean(axis=1, keepdims=True)
+    normal = np.linalg.svd(centered, full_matrices=False)[2][:, -1]
+    heights: Floats = np.einsum("nkj,nj->nk", centered, normal)
     return heights
 
 

@@ -46,9 +46,9 @@ def conical_defect(mesh: Mesh) -> Floats:
             result[ids] = np.abs(angle[:, 0] + angle[:, 2] - angle[:, 1] - angle[:, 3])
         else:
             normals = mesh.face_normals[mesh.corner_face[corners]]
-            centred = normals - normals.mean(axis=1, keepdims=True)
-            axis = np.linalg.svd(centred, full_matrices=False)[2][:, -1]
-            height = np.abs(np.einsum("nkj,nj->nk", centred, axis)).max(axis=1)
+            centered = normals - normals.mean(axis=1, keepdims=True)
+            axis = np.linalg.svd(centered, full_matrices=False)[2][:, -1]
+            height = np.abs(np.einsum("nkj,nj->nk", centered, axis)).max(axis=1)
             result[ids] = np.arcsin(np.minimum(height, 1.0))
     return result
 

@@ -18,7 +18,7 @@ from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 @checked
 def circle_axes(points: ArrayLike) -> tuple[Floats, Floats]:
-    """Centres and unit directions (M, N, 3) of the axes of the quads' circles.
+    """Centers and unit directions (M, N, 3) of the axes of the quads' circles.
 
     Parameters
     ----------
@@ -37,23 +37,23 @@ def circle_axes(points: ArrayLike) -> tuple[Floats, Floats]:
         half = 0.5 * edges.length
         up = (edges.along * (edges.along - edges.length) + edges.across**2) / (2.0 * edges.across)
         diagonals = edge_frame(x12 - x, x2 - x1, place, "the diagonals are parallel")
-        centre = x + half * edges.e + up * edges.w
-        return np.concatenate([centre, cross(diagonals.e, diagonals.w)])
+        center = x + half * edges.e + up * edges.w
+        return np.concatenate([center, cross(diagonals.e, diagonals.w)])
 
     both = measure(points, (0, 1), kernel, dim=3)
     return both[..., :3], both[..., 3:]
 
 
 @checked
-def axis_coplanarity(centres: ArrayLike, directions: ArrayLike, axis: int) -> Floats:
+def axis_coplanarity(centers: ArrayLike, directions: ArrayLike, axis: int) -> Floats:
     """det(c' - c, n, n') of neighbouring axes: zero where they meet or are parallel (2.5).
 
     Parameters
     ----------
-    centres, directions : (M, N, 3) from `circle_axes`
+    centers, directions : (M, N, 3) from `circle_axes`
     axis : the direction in which neighbours are taken
     """
-    c = of_shape(centres, (None, None, 3), "centres")
+    c = of_shape(centers, (None, None, 3), "centers")
     n = of_shape(directions, c.shape, "directions")
     if axis not in (0, 1):
         raise InputError(f"axis {axis}: 0 or 1 is needed")
@@ -64,13 +64,13 @@ def axis_coplanarity(centres: ArrayLike, directions: ArrayLike, axis: int) -> Fl
 
 @checked
 def axis_intersections(
-    centres: ArrayLike, directions: ArrayLike
+    centers: ArrayLike, directions: ArrayLike
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Where neighbouring axes of a strip of quads meet: the line of regression of its developable.
 
     Parameters
     ----------
-    centres, directions : (..., K, 3) points and directions of the axes of rows of quads, as from
+    centers, directions : (..., K, 3) points and directions of the axes of rows of quads, as from
         `circle_axes`; turn its arrays with ``swapaxes(0, 1)`` for the strips of the other direction
 
     Returns
@@ -88,12 +88,12 @@ def axis_intersections(
 
     Source: mathematics.md 2.5.
     """
-    c, n = np.asarray(centres, dtype=np.float64), np.asarray(directions, dtype=np.float64)
+    c, n = np.asarray(centers, dtype=np.float64), np.asarray(directions, dtype=np.float64)
     if c.ndim < 2 or c.shape[-1] != 3 or n.shape != c.shape or c.shape[-2] < 2:
         raise InputError(
             f"axes of strips have shape (..., K, 3), K > 1; not {c.shape} and {n.shape}"
         )
-    finite(c, "centres")
+    finite(c, "centers")
     finite(n, "directions")
     Place(name="axis").refuse(np.asarray(~n.any(axis=-1)), "its direction is zero")
     points = np.empty((*c.shape[:-2], c.shape[-2] - 1, 3))

@@ -24,7 +24,7 @@ _COLLINEAR = "three corners lie on a line: their edges are parallel"
 # --- circles -------------------------------------------------------------------------------------
 @checked
 def circumcircle(p: ArrayLike, q: ArrayLike, r: ArrayLike) -> tuple[Floats, Floats, Floats]:
-    """Centre (..., 3), radius (...) and unit normal (..., 3) of the circle through three points.
+    """Center (..., 3), radius (...) and unit normal (..., 3) of the circle through three points.
 
     Parameters
     ----------
@@ -47,14 +47,14 @@ def circumcircle(p: ArrayLike, q: ArrayLike, r: ArrayLike) -> tuple[Floats, Floa
     if len(first) != 3:
         raise InputError(f"circles need points in R^3; these have {len(first)} coordinates")
     frame = edge_frame(second - first, third - first, Place(name="circle"), _COLLINEAR)
-    half, up = _centre(frame.length, frame.along, frame.across)
-    centre = first + half * frame.e + up * frame.w
+    half, up = _center(frame.length, frame.along, frame.across)
+    center = first + half * frame.e + up * frame.w
     normal = cross(frame.e, frame.w)
-    return np.moveaxis(centre, 0, -1), np.hypot(half, up), np.moveaxis(normal, 0, -1)
+    return np.moveaxis(center, 0, -1), np.hypot(half, up), np.moveaxis(normal, 0, -1)
 
 
-def _centre(length: Floats, along: Floats, across: Floats) -> tuple[Floats, Floats]:
-    """Plane coordinates of the circumcentre of (0, 0), (length, 0), (along, across)."""
+def _center(length: Floats, along: Floats, across: Floats) -> tuple[Floats, Floats]:
+    """Plane coordinates of the circumcenter of (0, 0), (length, 0), (along, across)."""
     half = 0.5 * length
     return half, (along * (along - length) + across**2) / (2.0 * across)
 
@@ -82,7 +82,7 @@ def circularity(points: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
 def circularity_kernel(x: Floats, x1: Floats, x2: Floats, x12: Floats, place: Place) -> Floats:
     """`circularity` with components first."""
     frame = edge_frame(x1 - x, x2 - x, place, _COLLINEAR)
-    half, up = _centre(frame.length, frame.along, frame.across)
+    half, up = _center(frame.length, frame.along, frame.across)
     radius = np.hypot(half, up)
     fourth = x12 - x
     right, high = dot(fourth, frame.e), dot(fourth, frame.w)

@@ -218,15 +218,15 @@ def circular_to_conical(points: ArrayLike, first: ArrayLike | None = None) -> Fl
     """
     x = _net(points, 3)
     normals = vertex_normals(x, best_normal(x) if first is None else first)
-    centre, axis = circle_axes(x)
-    height = np.zeros(centre.shape[:2])
+    center, axis = circle_axes(x)
+    height = np.zeros(center.shape[:2])
     weight = np.zeros_like(height)
     for i in (0, 1):
         for j in (0, 1):
             part = slice(i, len(x) - 1 + i), slice(j, x.shape[1] - 1 + j)
             across = np.einsum("ijk,ijk->ij", axis, normals[part])
             # Least squares on the four planes; they agree on circular nets.
-            height += across * np.einsum("ijk,ijk->ij", x[part] - centre, normals[part])
+            height += across * np.einsum("ijk,ijk->ij", x[part] - center, normals[part])
             weight += across**2
     _refuse_small(
         weight,
@@ -234,7 +234,7 @@ def circular_to_conical(points: ArrayLike, first: ArrayLike | None = None) -> Fl
         "quad",
         "the planes at its corners hold its circle's axis ({})",
     )
-    return np.asarray(centre + (height / weight)[..., None] * axis)
+    return np.asarray(center + (height / weight)[..., None] * axis)
 
 
 @checked
@@ -247,7 +247,7 @@ def conical_to_circular(points: ArrayLike, first: ArrayLike | None = None) -> Fl
     ----------
     points : (M + 1, N + 1, 3) conical net
     first : (3,) point in face (0, 0) (what is off its plane is dropped): a two-parameter family;
-        by default the one whose points are nearest to the faces' centres
+        by default the one whose points are nearest to the faces' centers
 
     Raises
     ------
@@ -268,8 +268,8 @@ def conical_to_circular(points: ArrayLike, first: ArrayLike | None = None) -> Fl
         zero = _reflect_all(np.zeros(3), mirrors, n.shape)
         turns = [(np.zeros_like(on), m) for on, m in mirrors]
         turned = np.stack([_reflect_all(b, turns, n.shape) for b in np.eye(3)], axis=-1)
-        centres = 0.25 * (x[1:, 1:] + x[1:, :-1] + x[:-1, 1:] + x[:-1, :-1])
-        start = np.einsum("ijkl,ijk->ijl", turned, centres - zero).mean(axis=(0, 1))
+        centers = 0.25 * (x[1:, 1:] + x[1:, :-1] + x[:-1, 1:] + x[:-1, :-1])
+        start = np.einsum("ijkl,ijk->ijl", turned, centers - zero).mean(axis=(0, 1))
     start = start - (start @ n[0, 0]) * n[0, 0]
     return np.asarray(origin + _reflect_all(start, mirrors, n.shape))
 

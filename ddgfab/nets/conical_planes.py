@@ -156,7 +156,7 @@ def plane_meets(planes: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
         system, values = np.moveaxis(rows, (0, 1), (-2, -1)), np.moveaxis(right, 0, -1)
         return np.moveaxis(np.linalg.solve(system, values[..., None])[..., 0], -1, 0)
 
-    return frame.centre + frame.size * measure(scaled, axes, kernel, dim=4)
+    return frame.center + frame.size * measure(scaled, axes, kernel, dim=4)
 
 
 @checked
@@ -312,29 +312,29 @@ def _angle_plane(p: Floats, p1: Floats, p2: Floats, theta: Floats, place: Place)
 class _Frame(NamedTuple):
     """Origin and unit of length in which planes are computed with."""
 
-    centre: Floats
+    center: Floats
     size: float
 
     def scaled(self, planes: Floats) -> Floats:
         out = planes.copy()
-        out[..., 3] = (planes[..., 3] - planes[..., :3] @ self.centre) / self.size
+        out[..., 3] = (planes[..., 3] - planes[..., :3] @ self.center) / self.size
         return out
 
     def back(self, planes: Floats) -> Floats:
         """The planes in the units of the input, their normals made unit."""
         out = planes / np.linalg.norm(planes[..., :3], axis=-1, keepdims=True)
-        out[..., 3] = self.size * out[..., 3] + out[..., :3] @ self.centre
+        out[..., 3] = self.size * out[..., 3] + out[..., :3] @ self.center
         return np.asarray(out)
 
 
 def _frame_of(planes: Sequence[Floats]) -> _Frame:
     """The point nearest to all planes and their greatest distance from it."""
     rows = np.concatenate(planes)
-    centre = np.linalg.lstsq(rows[:, :3], rows[:, 3], rcond=RELATIVE_DEGENERATE)[0]
-    away = float(np.abs(rows[:, 3] - rows[:, :3] @ centre).max())
+    center = np.linalg.lstsq(rows[:, :3], rows[:, 3], rcond=RELATIVE_DEGENERATE)[0]
+    away = float(np.abs(rows[:, 3] - rows[:, :3] @ center).max())
     far = float(np.abs(rows[:, 3]).max())
     # Planes through one point have no size of their own.
-    return _Frame(np.asarray(centre), away if away > RELATIVE_DEGENERATE * far else max(far, 1.0))
+    return _Frame(np.asarray(center), away if away > RELATIVE_DEGENERATE * far else max(far, 1.0))
 
 
 def _blaschke(planes: Floats) -> tuple[Floats, _Frame]:

@@ -26,7 +26,7 @@ def kite_net(net: SIsothermic) -> Mesh:
     Source: mathematics.md 6.2, 7.4, (16)-(18) of the survey in section 13.
     """
     mesh = net.mesh
-    points = np.concatenate([mesh.vertices, net.contacts, net.incircles.centres])
+    points = np.concatenate([mesh.vertices, net.contacts, net.incircles.centers])
     contact = mesh.n_vertices + mesh.corner_edge
     before = np.empty_like(mesh.corner_next)
     before[mesh.corner_next] = np.arange(len(before))

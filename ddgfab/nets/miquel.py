@@ -153,7 +153,7 @@ def sphere_defect(points: ArrayLike) -> Floats:
     volume = np.abs(np.linalg.det(system))
     place = Place(name="cube")
     place.refuse(volume <= NET_INPUT, "the edges at its first corner are in one plane", volume)
-    centre = np.linalg.solve(system, 0.5 * lengths[..., None])[..., 0]
-    radius = np.linalg.norm(centre, axis=-1)
-    off = np.abs(np.linalg.norm(away - centre[..., None, :], axis=-1) - radius[..., None])
+    center = np.linalg.solve(system, 0.5 * lengths[..., None])[..., 0]
+    radius = np.linalg.norm(center, axis=-1)
+    off = np.abs(np.linalg.norm(away - center[..., None, :], axis=-1) - radius[..., None])
     return np.asarray(off.max(axis=-1) / radius)

@@ -86,7 +86,7 @@ class SIsothermic:
     def incircles(self) -> Circles:
         """Incircle of each face."""
         found = tangential(self.mesh)
-        return Circles(found.centres, self.mesh.face_normals, found.face_radii)
+        return Circles(found.centers, self.mesh.face_normals, found.face_radii)
 
     @property
     def spheres(self) -> Spheres:
@@ -114,8 +114,8 @@ class SIsothermic:
             return None
         axis, r = axes[vertices], self.radii[vertices]
         square = np.einsum("vx,vx->v", axis, axis)
-        centres = mesh.vertices[vertices] + axis * (r / square)[:, None]
-        return Circles(centres, -unit(axis), r * np.sqrt(np.maximum(1.0 - 1.0 / square, 0.0)))
+        centers = mesh.vertices[vertices] + axis * (r / square)[:, None]
+        return Circles(centers, -unit(axis), r * np.sqrt(np.maximum(1.0 - 1.0 / square, 0.0)))
 
     def curves(self) -> dict[str, Circles | Spheres]:
         """All its circles and spheres by kind: "incircle", "vertex-circle" (Koebe), "sphere"."""
@@ -162,13 +162,13 @@ class Tangential:
 
     Attributes
     ----------
-    centres, face_radii : (F, 3), (F,) of the incircles
+    centers, face_radii : (F, 3), (F,) of the incircles
     lengths : (C,) distance from each corner to its two contact points
     radii : (V,) their means at the vertices
     defects : "planarity" (F,), "incircles" (F,), "spheres" (V,), in parts of local edge lengths
     """
 
-    centres: Floats
+    centers: Floats
     face_radii: Floats
     lengths: Floats
     radii: Floats
@@ -205,9 +205,9 @@ def tangential(mesh: Mesh) -> Tangential:
     to_last = unit(mesh.vertices[mesh.corners[mesh.corner_previous]] - mesh.vertices[here])
     half = mesh.corner_angles / 2.0
     towards = unit(to_next + to_last) * (lengths / np.cos(half))[:, None]
-    centres = np.add.reduceat(mesh.vertices[here] + towards, first) / mesh.face_sizes[:, None]
+    centers = np.add.reduceat(mesh.vertices[here] + towards, first) / mesh.face_sizes[:, None]
     at = mesh.corner_face
-    off = np.abs(np.einsum("cx,cx->c", mesh.vertices[here] - centres[at], mesh.face_normals[at]))
+    off = np.abs(np.einsum("cx,cx->c", mesh.vertices[here] - centers[at], mesh.face_normals[at]))
     miss = np.abs(edge - lengths - lengths[mesh.corner_next])
     count = np.maximum(np.bincount(here, minlength=mesh.n_vertices), 1)
     radii = np.bincount(here, lengths, mesh.n_vertices) / count
@@ -215,7 +215,7 @@ def tangential(mesh: Mesh) -> Tangential:
     spread = np.zeros(mesh.n_vertices)
     np.maximum.at(spread, here, np.abs(lengths - radii[here]))
     return Tangential(
-        centres,
+        centers,
         rho,
         lengths,
         radii,
@@ -231,7 +231,7 @@ def tangential(mesh: Mesh) -> Tangential:
 def dual_face(points: ArrayLike) -> Floats:
     """Corners of the dual of one polygon with an incircle; a polygon with an incircle again.
 
-    With contact points q_j, centre c and radius rho: q_j* - c* = (-1)^j (q_j - c) / rho^2, so the
+    With contact points q_j, center c and radius rho: q_j* - c* = (-1)^j (q_j - c) / rho^2, so the
     sides are v*_(j+1) - v*_j = -(-1)^j (v_(j+1) - v_j) / (r_j r_(j+1)). An odd polygon closes
     only after two turns.
 
@@ -241,7 +241,7 @@ def dual_face(points: ArrayLike) -> Floats:
 
     Returns
     -------
-    (n, 3), or (2 n, 3) for odd n: corners about the centre c* = 0
+    (n, 3), or (2 n, 3) for odd n: corners about the center c* = 0
 
     Raises
     ------
@@ -259,10 +259,10 @@ def dual_face(points: ArrayLike) -> Floats:
     j, last = corner % len(polygon), (corner - 1) % len(polygon)
     sign = np.where(corner % 2, -1.0, 1.0)[:, None]
     contact = polygon[j] + unit(polygon[(j + 1) % len(polygon)] - polygon[j]) * r[j, None]
-    foot = sign * (contact - circle.centres[0]) / circle.radii[0] ** 2
+    foot = sign * (contact - circle.centers[0]) / circle.radii[0] ** 2
     side = unit(polygon[j] - polygon[last])  # of the side before, whose sign is the other
     before = polygon[j] - side * r[j, None]
-    foot_before = -sign * (before - circle.centres[0]) / circle.radii[0] ** 2
+    foot_before = -sign * (before - circle.centers[0]) / circle.radii[0] ** 2
     from_next = foot + sign * unit(polygon[(j + 1) % len(polygon)] - polygon[j]) / r[j, None]
     from_last = foot_before + sign * side / r[j, None]
     return np.asarray(0.5 * (from_next + from_last))

@@ -152,17 +152,17 @@ def cluster_shapes(shapes: Floats, turns: Ints, count: int) -> Clusters:
     """
     variants = shapes[:, turns]  # (n, m, p)
 
-    def distances(centre: Floats) -> Floats:
-        apart: Floats = np.linalg.norm(variants - centre, axis=2)
+    def distances(center: Floats) -> Floats:
+        apart: Floats = np.linalg.norm(variants - center, axis=2)
         return apart
 
     first = int(np.linalg.norm(shapes - shapes.mean(axis=0), axis=1).argmin())
-    centres = [shapes[first]]
-    least = distances(centres[0]).min(axis=1)
+    centers = [shapes[first]]
+    least = distances(centers[0]).min(axis=1)
     for _ in range(count - 1):
-        centres.append(shapes[int(least.argmax())])
-        least = np.minimum(least, distances(centres[-1]).min(axis=1))
-    at, cluster = np.array(centres), np.full(len(shapes), -1)
+        centers.append(shapes[int(least.argmax())])
+        least = np.minimum(least, distances(centers[-1]).min(axis=1))
+    at, cluster = np.array(centers), np.full(len(shapes), -1)
     for _ in range(_ROUNDS):
         apart, nearest = cKDTree(at).query(variants)  # (n, m)
         turn = apart.argmin(axis=1)

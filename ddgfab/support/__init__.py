@@ -12,14 +12,14 @@ from ddgfab.support.nearest_axes import OptimizeOptions, optimize
 from ddgfab.support.parallel import parallel_axes, parallel_field
 from ddgfab.support.propagate import node_torsion, propagate_axes
 from ddgfab.support.structure import SupportStructure
-from ddgfab.support.triangles import best_centre, central, incircle_axes
+from ddgfab.support.triangles import best_center, central, incircle_axes
 
 __all__ = [
     "OptimizeOptions",
     "SupportKind",
     "SupportStructure",
     "beam_heights",
-    "best_centre",
+    "best_center",
     "central",
     "cone_axes",
     "edge_axes",

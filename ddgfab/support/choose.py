@@ -204,7 +204,7 @@ def _reason(structure: SupportStructure) -> str:
     """Why a net has no upright axes, where that is known."""
     mesh = structure.mesh
     if structure.kind == "central":
-        return "; axes through one centre suit nets like domes only"
+        return "; axes through one center suit nets like domes only"
     bend = edge_bend(mesh)
     if bend < ASYMPTOTIC_BEND:
         return (

@@ -15,7 +15,7 @@ from ddgfab.tolerances import LEAN_LIMIT_DEG, RELATIVE_DEGENERATE
 
 
 @checked
-def best_centre(mesh: Mesh) -> Floats | None:
+def best_center(mesh: Mesh) -> Floats | None:
     """(3,) the point nearest to all vertex normal lines (least squares), None if at infinity.
 
     Solves sum (I - n n^T)(v - z) = 0; the matrix is singular when all normals are parallel.
@@ -32,23 +32,23 @@ def best_centre(mesh: Mesh) -> Floats | None:
 
 
 @checked
-def central(mesh: Mesh, centre: ArrayLike | None = None) -> SupportStructure:
+def central(mesh: Mesh, center: ArrayLike | None = None) -> SupportStructure:
     """Central structure: all axes pass through one point z, on the side of the normals.
 
     Torsion-free on every mesh, as the plane through an edge and z holds both axes. On triangle
     meshes there are no others (Pottmann, Liu, Wallner, Bobenko, Wang 2007; Prop. 5.2,
-    mathematics.md 10.5). With the best centre at infinity all axes are parallel.
+    mathematics.md 10.5). With the best center at infinity all axes are parallel.
 
     Parameters
     ----------
-    centre : (3,); the point nearest to all vertex normals by default
+    center : (3,); the point nearest to all vertex normals by default
 
     Raises
     ------
     SupportError
-        The centre is a vertex.
+        The center is a vertex.
     """
-    z = best_centre(mesh) if centre is None else of_shape(centre, (3,), "centre")
+    z = best_center(mesh) if center is None else of_shape(center, (3,), "center")
     used = mesh.valences > 0
     axes = (
         np.broadcast_to(mesh.vertex_normals.sum(axis=0), mesh.vertices.shape)
@@ -58,7 +58,7 @@ def central(mesh: Mesh, centre: ArrayLike | None = None) -> SupportStructure:
     length = np.linalg.norm(axes, axis=1)
     at = np.flatnonzero(used & (length <= RELATIVE_DEGENERATE * mesh.diameter))
     if len(at):
-        raise SupportError(f"vertex {at[0]} lies in the centre of the structure: move the centre")
+        raise SupportError(f"vertex {at[0]} lies in the center of the structure: move the center")
     outward = np.einsum("vx,vx->", axes / np.where(used, length, 1.0)[:, None], mesh.vertex_normals)
     return SupportStructure.of(
         mesh, np.where(used[:, None], np.copysign(1.0, outward) * axes, 0.0), "central"
@@ -87,7 +87,7 @@ def refuse_triangles(mesh: Mesh) -> SupportError:
     if paired_in_order(mesh):
         quads = "take the quads that its triangles were cut from, [net] quads = true (--quads)"
     return SupportError(
-        "a triangle mesh has no torsion-free node axes but those through one centre (Prop. 5.2)\n"
+        "a triangle mesh has no torsion-free node axes but those through one center (Prop. 5.2)\n"
         f"its vertex normals have torsion {angles[worst]:.2f} deg at edge {worst} "
         f"(mean {angles.mean():.2f} deg)\n"
         f"{way}, or {quads}"
@@ -96,10 +96,10 @@ def refuse_triangles(mesh: Mesh) -> SupportError:
 
 @checked
 def incircle_axes(mesh: Mesh) -> tuple[Floats, Floats]:
-    """Centres (F, 3) and unit axes (F, 3) of the incircles of a triangle mesh.
+    """Centers (F, 3) and unit axes (F, 3) of the incircles of a triangle mesh.
 
     On a CP mesh, where the incircles of neighbours touch, axes of neighbours lie in one plane:
-    they are a torsion-free structure of the hexagonal dual mesh through the centres.
+    they are a torsion-free structure of the hexagonal dual mesh through the centers.
 
     Raises
     ------
@@ -116,5 +116,5 @@ def incircle_axes(mesh: Mesh) -> tuple[Floats, Floats]:
         raise SupportError(f"face {flat[0]} has no area ({mesh.face_areas[flat[0]]:.1e})")
     corners = mesh.vertices[mesh.corners].reshape(-1, 3, 3)
     opposite = np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, 1, axis=1), axis=2)
-    centres = np.einsum("fk,fkx->fx", opposite, corners) / opposite.sum(axis=1)[:, None]
-    return centres, mesh.face_normals
+    centers = np.einsum("fk,fkx->fx", opposite, corners) / opposite.sum(axis=1)[:, None]
+    return centers, mesh.face_normals

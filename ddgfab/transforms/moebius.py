@@ -23,7 +23,7 @@ the other: as one map x -> A J(x - p) + b they would lose the digits of radius /
 
 
 @checked
-def invert(points: ArrayLike, centre: ArrayLike, radius: float) -> Floats:
+def invert(points: ArrayLike, center: ArrayLike, radius: float) -> Floats:
     """(..., 3) images of points in the inversion x -> c + R^2 (x - c) / |x - c|^2.
 
     Orientation is reversed. Lengths at x are multiplied by R^2 / |x - c|^2.
@@ -31,14 +31,14 @@ def invert(points: ArrayLike, centre: ArrayLike, radius: float) -> Floats:
     Raises
     ------
     DegenerateError
-        A point in the centre; names its index.
+        A point in the center; names its index.
 
     Examples
     --------
     >>> invert([2.0, 0.0, 0.0], [0.0, 0.0, 0.0], 1.0)
     array([0.5, 0. , 0. ])
     """
-    x, c = _in_space(points, "points"), of_shape(centre, (3,), "centre")
+    x, c = _in_space(points, "points"), of_shape(center, (3,), "center")
     away = x - c
     square = np.sum(away * away, axis=-1, keepdims=True)
     _refuse_center(square[..., 0], radius)
@@ -64,13 +64,13 @@ def _refuse_center(square: Floats, radius: float) -> None:
 
 
 @checked
-def invert_normals(points: ArrayLike, normals: ArrayLike, centre: ArrayLike) -> Floats:
+def invert_normals(points: ArrayLike, normals: ArrayLike, center: ArrayLike) -> Floats:
     """(..., 3) unit normals at the images of points: reflected in the plane across x - c.
 
     Contact elements go to contact elements, so normals by reflection (`circular.vertex_normals`)
-    stay such. The side is kept: a normal away from the centre becomes one towards it.
+    stay such. The side is kept: a normal away from the center becomes one towards it.
     """
-    away = _in_space(points, "points") - of_shape(centre, (3,), "centre")
+    away = _in_space(points, "points") - of_shape(center, (3,), "center")
     _refuse_center(np.sum(away * away, axis=-1), 0.0)
     n = together(points=away, normals=normals)[1]
     along = np.sum(n * away, axis=-1, keepdims=True) / np.sum(away * away, axis=-1, keepdims=True)
@@ -125,7 +125,7 @@ class Moebius:
 
     @staticmethod
     @checked
-    def inversion(centre: ArrayLike, radius: float) -> Moebius:
+    def inversion(center: ArrayLike, radius: float) -> Moebius:
         """Inversion in a sphere (see `invert`).
 
         Raises
@@ -135,7 +135,7 @@ class Moebius:
         """
         if not 0 < radius < np.inf:
             raise InputError(f"radius {radius}: a positive number is needed")
-        c = np.array(centre, dtype=np.float64)
+        c = np.array(center, dtype=np.float64)
         return Moebius(radius**2 * np.eye(3), c, c)
 
     @staticmethod

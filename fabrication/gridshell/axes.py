@@ -62,7 +62,7 @@ def node_axes(
 
 
 def _for_triangles(mesh: Mesh, project: Project) -> tuple[str, str, Any]:
-    """What helps triangles: the quads they were cut from, a centre, or normals that twist."""
+    """What helps triangles: the quads they were cut from, a center, or normals that twist."""
     if project.net.kind == MESH and paired_in_order(mesh):
         return "net", "quads", True
     upright = central_lean_deg(mesh) <= project.support.lean_limit_deg

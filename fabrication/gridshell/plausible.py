@@ -49,7 +49,7 @@ def looks_inward(mesh: Mesh) -> bool:
     if len(mesh.boundary_loops):
         return False
     middle = mesh.vertices.mean(axis=0)
-    return float(np.einsum("ij,ij->", mesh.face_centres - middle, mesh.vector_areas)) < 0
+    return float(np.einsum("ij,ij->", mesh.face_centers - middle, mesh.vector_areas)) < 0
 
 
 def _quantities(

@@ -66,7 +66,7 @@ def settings_with_room(design: Design, torsion_deg: float) -> list[tuple[str, st
 
     Normals twist the beams, and panes that are cut along twisted planes come nearer to each other
     than their gap: the torsion is allowed with the gap that leaves room. Where none does, axes
-    through one centre, if they are upright.
+    through one center, if they are upright.
 
     Parameters
     ----------

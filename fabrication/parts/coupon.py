@@ -75,7 +75,7 @@ def coupon_size(shape: CouponShape) -> tuple[float, float]:
 
 
 def bore_row(shape: CouponShape) -> list[tuple[float, float]]:
-    """Centres of the bores: in the middle of what the labels leave of the width."""
+    """Centers of the bores: in the middle of what the labels leave of the width."""
     tall = _tall(shape)
     up = 0.5 * (tall + MARGIN) if tall else 0.0
     first = -0.5 * shape.pitch * (len(shape.bores) - 1)

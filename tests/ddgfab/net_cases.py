@@ -35,9 +35,9 @@ def skew_net(rows: int = 5, cols: int = 4, seed: int = 7) -> Floats:
 def space_canal(rings: int = 9, points: int = 6) -> Floats:
     """A canal net along a helix with a radius that grows and shrinks."""
     way = np.linspace(0.0, 1.5, rings + 1)
-    centres = np.stack([np.cos(way), np.sin(way), 0.5 * way], axis=1) * 9000.0
+    centers = np.stack([np.cos(way), np.sin(way), 0.5 * way], axis=1) * 9000.0
     radii = 3000.0 + 500.0 * np.sin(2.0 * way)
-    return canal_net(centres, radii, np.linspace(0.6, 2.6, points))
+    return canal_net(centers, radii, np.linspace(0.6, 2.6, points))
 
 
 def koebe_net(sectors: int = 6, rings: tuple[int, int] = (-2, 3)) -> Floats:

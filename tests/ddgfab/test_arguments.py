@@ -202,7 +202,7 @@ def test_constructors_and_methods_name_what_is_wrong() -> None:
         (lambda: Net.build(MESH), r"Net\.build: points is of type Mesh"),  # type: ignore[arg-type]
         (lambda: Net.from_mesh(POINTS), r"grid_mesh\(points\)"),  # type: ignore[arg-type]
         (lambda: nets.SIsothermic.of(POINTS), r"SIsothermic\.of: mesh"),  # type: ignore[arg-type]
-        (lambda: transforms.Moebius.inversion(MESH, 1.0), "centre is of type Mesh"),  # type: ignore[arg-type]
+        (lambda: transforms.Moebius.inversion(MESH, 1.0), "center is of type Mesh"),  # type: ignore[arg-type]
         (lambda: transforms.Moebius.inversion([9, 9, 9], 1.0)(MESH), "points is of type Mesh"),  # type: ignore[arg-type]
         (lambda: Net.build(POINTS).shift("u"), "axis is 'u'; an integer is needed"),  # type: ignore[arg-type]
     ]
@@ -219,7 +219,7 @@ def test_constructors_and_methods_name_what_is_wrong() -> None:
         (lambda: nets.shift(POINTS, 2.5), "axis is 2.5; an integer is needed"),
         (lambda: nets.shift(POINTS, 5), "axis 5: an array of shape"),
         (lambda: nets.difference(POINTS, -4, periodic=True), "axis -4"),
-        (lambda: invert(POINTS, [0.0, 1.0], 1.0), r"centre has shape \(2,\); \(3,\) is needed"),
+        (lambda: invert(POINTS, [0.0, 1.0], 1.0), r"center has shape \(2,\); \(3,\) is needed"),
         (lambda: invert(POINTS[..., :2], [0.0, 0, 9], 1.0), r"\(\.\.\., 3\) is needed"),
         (lambda: invert_normals(POINTS, POINTS[:2], [0.0, 0, 9]), "shapes do not go together"),
         (lambda: nets.star_triangle([1.0, 2], [1.0, 2, 3], 1.0), r"a12 \(2,\), a23 \(3,\)"),
@@ -227,7 +227,7 @@ def test_constructors_and_methods_name_what_is_wrong() -> None:
         (lambda: nets.conical_to_circular(POINTS, [1.0, 2.0]), r"first has shape \(2,\)"),
         (lambda: nets.axis_coplanarity(POINTS, POINTS[:2], 0), "directions has shape"),
         (lambda: nets.complex_cross_ratio([1.0, 2], [1.0, 2, 3], 1, 2), r"a \(2,\), b \(3,\)"),
-        (lambda: central(grid_mesh(POINTS), [1.0]), r"centre has shape \(1,\)"),
+        (lambda: central(grid_mesh(POINTS), [1.0]), r"center has shape \(1,\)"),
         (lambda: nearest_axes(grid_mesh(POINTS), POINTS[0]), r"start has shape \(3, 3\)"),
         (lambda: parallel_field(grid_mesh(POINTS), POINTS[0]), r"target has shape \(3, 3\)"),
         (lambda: beam_heights(grid_mesh(POINTS), POINTS[0]), r"axes has shape \(3, 3\)"),

@@ -32,7 +32,7 @@ def test_sphere_of_radius_two_and_a_half() -> None:
 
 @pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e12])
 def test_no_digits_are_lost_between_sizes(scale: float) -> None:
-    """A net on a sphere of radius 2.5 scale about a far centre: H = -0.4 / scale."""
+    """A net on a sphere of radius 2.5 scale about a far center: H = -0.4 / scale."""
     angle = np.linspace(0.3, 1.2, 6)
     mesh = ring(list(2.5 * np.cos(angle)), list(2.5 * np.sin(angle)))
     far = mesh.with_vertices(scale * (mesh.vertices + 7.0))

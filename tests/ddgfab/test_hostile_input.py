@@ -179,7 +179,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "koebe_vertex": (
         koebe.koebe_vertex,
-        {"centres": np.array([[0.1, 0.2], [0.3, 0.1]]), "radii": np.array([0.1, 0.2])},
+        {"centers": np.array([[0.1, 0.2], [0.3, 0.1]]), "radii": np.array([0.1, 0.2])},
     ),
     "enneper": (minimal.enneper, {"cells": (2, 3), "half_step": 0.2}),
     "helicoid": (minimal.helicoid, {"around": 6, "rings": (-1, 2), "columns": 4}),

@@ -253,7 +253,7 @@ POINTS: dict[str, Made] = {
         skew_parallelogram(
             *(at(x) for x in (KPOINTS[0, 0], KPOINTS[1, 0], KPOINTS[0, 1], KPOINTS[1, 1])),
             tolerance=max(1e-8, 10 * at.rounding),
-        ).centre
+        ).center
     ),
 }
 

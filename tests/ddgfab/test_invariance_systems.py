@@ -145,14 +145,14 @@ def test_constructions_of_axes_under_similarities_and_relabelling(name: str) -> 
 def test_axes_of_circles_and_cones_under_similarities(at: Similarity) -> None:
     limit = max(1e-8, 1e5 * at.rounding)
     side = -1.0 if at.mirrors else 1.0  # normals by the vector product turn over
-    centres, directions = nets.circle_axes(CIRCULAR)
+    centers, directions = nets.circle_axes(CIRCULAR)
     moved, turned = nets.circle_axes(at(CIRCULAR))
-    assert np.abs(moved - at(centres)).max() < limit * at.scale * 10
+    assert np.abs(moved - at(centers)).max() < limit * at.scale * 10
     assert np.abs(turned - side * at.vectors(directions, 0)).max() < limit
-    meet, infinite = nets.axis_intersections(centres, directions)
+    meet, infinite = nets.axis_intersections(centers, directions)
     there, away = nets.axis_intersections(moved, turned)
     assert np.array_equal(infinite, away)
-    size = np.abs(meet - centres[:, :-1]).max()
+    size = np.abs(meet - centers[:, :-1]).max()
     assert np.abs(there - at(meet)).max() < 100 * limit * at.scale * size
     normals = nets.vertex_normals(CIRCULAR, [0.1, 0.2, 1.0])
     found = nets.vertex_normals(at(CIRCULAR), at.vectors(np.array([0.1, 0.2, 1.0]), 0))

@@ -250,7 +250,7 @@ def test_mean_of_diagonals_is_that_of_all(size: int) -> None:
         for j in range(i + 2, size)
         if (i, j) != (0, size - 1)
     ]
-    centred = points - points.mean(axis=0)
-    heights = centred @ np.linalg.svd(centred)[2][2]
+    centered = points - points.mean(axis=0)
+    heights = centered @ np.linalg.svd(centered)[2][2]
     expected = 100 * np.ptp(heights) / np.mean(lengths)
     assert planarity_percent(mesh)[0] == pytest.approx(expected, rel=1e-12)

@@ -111,7 +111,7 @@ def test_components_that_almost_meet_are_told(seed: int, tmp_path: Path) -> None
     assert is_roof(read_mesh(tmp_path / "a.obj", merge=asked).mesh, 1.0, 2e-3 * side)
     # Faces that are apart by a joint as wide as a pane's are no such components.
     apart = corners + 0.02 * (mesh.vertices[mesh.corners] - np.repeat(
-        mesh.face_centres, mesh.face_sizes, axis=0))  # fmt: skip
+        mesh.face_centers, mesh.face_sizes, axis=0))  # fmt: skip
     found = read(tmp_path / "b.obj", obj(apart - 0.04 * corners, faces, "{:.9f}"))
     assert not any("come near" in note for note in found.notes)
 

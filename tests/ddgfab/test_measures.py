@@ -124,7 +124,7 @@ def test_lifted_corner_of_a_square() -> None:
 
 
 def test_planarity_of_a_sampled_surface_goes_with_the_step() -> None:
-    # z = x y + 0.3 x^3, squares of side h centred at (0.4, 0.3). The midpoints of the diagonals are
+    # z = x y + 0.3 x^3, squares of side h about (0.4, 0.3). The midpoints of the diagonals are
     # h^2 z_xy / 2 apart along z, z_xy = 1; across the tangent plane that is h^2 / (2 w) with
     # w^2 = 1 + z_x^2 + z_y^2. Diagonals: h (1, 1, z_x + z_y) and h (-1, 1, z_y - z_x).
     zx, zy = 0.3 + 0.9 * 0.4**2, 0.4
@@ -174,8 +174,8 @@ def test_circle_has_no_circular_defect_and_a_moved_corner_has(corners: int) -> N
     points = np.stack([np.cos(t), np.sin(t), 0 * t], axis=1) @ rotation(corners).T + 5
     mesh = Mesh.build(points, [list(range(corners))])
     assert circular_defect(mesh)[0] < 1e-13
-    centre = np.full(3, 5.0)
-    points[1] = centre + 1.01 * (points[1] - centre)
+    center = np.full(3, 5.0)
+    points[1] = center + 1.01 * (points[1] - center)
     assert circular_defect(mesh.with_vertices(points))[0] > 1e-3
 
 
@@ -289,7 +289,7 @@ def test_axes_along_an_edge_never_pass_for_torsion_free() -> None:
         assert torsion(mesh, [axis, [0, 0, 1], [0, 0, 1]])[0] == np.pi / 2
 
 
-def test_axes_through_one_centre_are_torsion_free_on_any_mesh() -> None:
+def test_axes_through_one_center_are_torsion_free_on_any_mesh() -> None:
     for mesh in (random_grid(11), mixed()):
         assert torsion(mesh, mesh.vertices - [0.3, 0.4, -5]).max() < 1e-14
         assert torsion(mesh, mesh.vertex_normals).max() > 0.01

@@ -37,7 +37,7 @@ def test_cube_counts_and_outward_normals() -> None:
     assert not mesh.boundary_vertex.any()
     assert mesh.boundary_loops == ()
     assert (mesh.valences == 3).all()
-    assert np.allclose(mesh.face_normals, 2 * (mesh.face_centres - 0.5), atol=1e-15)
+    assert np.allclose(mesh.face_normals, 2 * (mesh.face_centers - 0.5), atol=1e-15)
     assert np.allclose(mesh.vertex_normals, unit(mesh.vertices - 0.5), atol=1e-15)
     assert np.allclose(mesh.face_areas, 1)
     assert np.allclose(mesh.corner_angles, np.pi / 2)

@@ -64,8 +64,8 @@ def test_circumcircle(scale: float) -> None:
     w = np.cross(a, b)
     square = np.sum(w * w, axis=-1, keepdims=True)
     aa, bb = np.sum(a * a, axis=-1, keepdims=True), np.sum(b * b, axis=-1, keepdims=True)
-    centre = p + (bb * np.cross(w, a) + aa * np.cross(b, w)) / (2 * square)
-    assert np.allclose(centre, c, rtol=1e-8, atol=1e-8 * scale)
+    center = p + (bb * np.cross(w, a) + aa * np.cross(b, w)) / (2 * square)
+    assert np.allclose(center, c, rtol=1e-8, atol=1e-8 * scale)
     sides = np.sqrt(aa * bb)[:, 0] * np.linalg.norm(q - r, axis=-1)
     assert np.allclose(radius, sides / (2 * np.sqrt(square[:, 0])), rtol=1e-9)
 

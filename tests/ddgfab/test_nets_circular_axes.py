@@ -53,18 +53,18 @@ def test_axes_meet_at_equal_distance_from_the_common_edge() -> None:
     assert points.shape == (7, 3)
     assert not infinite.any()
     for k, point in enumerate(points):
-        # The point has the same distance from the six vertices of both quads: it is the centre of
+        # The point has the same distance from the six vertices of both quads: it is the center of
         # their sphere.
         six = x[k : k + 3, 2:4].reshape(-1, 3)
         distances = np.linalg.norm(six - point, axis=1)
         assert np.ptp(distances) < 1e-9 * distances.mean()
 
 
-def test_axes_of_a_net_on_a_sphere_meet_at_its_centre() -> None:
+def test_axes_of_a_net_on_a_sphere_meet_at_its_center() -> None:
     plane = np.stack(np.meshgrid(np.arange(5.0), np.arange(4.0), [0.0], indexing="ij"), axis=-1)
-    centre = np.array([1.3, 0.4, 1.0])
-    x = invert(plane[:, :, 0], centre, 2.0)  # the sphere through the centre of inversion
-    middle, radius = centre - [0, 0, 2.0], 2.0
+    center = np.array([1.3, 0.4, 1.0])
+    x = invert(plane[:, :, 0], center, 2.0)  # the sphere through the center of inversion
+    middle, radius = center - [0, 0, 2.0], 2.0
     assert np.abs(np.linalg.norm(x - middle, axis=-1) - radius).max() < 1e-14
     c, n = circle_axes(x)
     assert np.abs(np.cross(middle - c, n)).max() < 1e-13

@@ -86,8 +86,8 @@ def test_three_directions(scale: float) -> None:
     again = miquel.evolve_circular(coordinate_surfaces(x))
     assert np.abs(again - x).max() < 1e-11 * scale
     # Moebius images of the surfaces evolve to the image of the net.
-    centre = scale * np.array([3.0, 2.0, 6.0])
-    image = invert(x, centre, scale)
+    center = scale * np.array([3.0, 2.0, 6.0])
+    image = invert(x, center, scale)
     other = miquel.evolve_circular(coordinate_surfaces(image))
     assert np.abs(other - image).max() < 1e-9 * np.abs(image).max()
     assert np.abs(image).max() > 0.1 * scale

@@ -53,10 +53,10 @@ def test_circular_to_conical(make: object) -> None:
     assert max(conical_residuals(k).values()) < 1e-12
     assert conical_defect(grid_mesh(k)).max() < 1e-9
     # The cone's axis is the circle's axis, line for line.
-    centre, axis = circle_axes(x)
+    center, axis = circle_axes(x)
     inner = slice(1, -1), slice(1, -1)
     assert np.linalg.norm(np.cross(cone_axes(k), axis[inner]), axis=-1).max() < 1e-10
-    assert np.linalg.norm(np.cross(k - centre, axis), axis=-1).max() < 1e-11 * size
+    assert np.linalg.norm(np.cross(k - center, axis), axis=-1).max() < 1e-11 * size
 
 
 def test_the_way_there_and_back() -> None:
@@ -78,10 +78,10 @@ def test_conical_to_circular_is_a_two_parameter_family() -> None:
         # Other order of the directions: path independence.
         turned = conical_to_circular(k.transpose(1, 0, 2), y[0, 0]).transpose(1, 0, 2)
         assert np.abs(turned - y).max() < 1e-9
-    centres = 0.25 * (k[1:, 1:] + k[1:, :-1] + k[:-1, 1:] + k[:-1, :-1])
+    centers = 0.25 * (k[1:, 1:] + k[1:, :-1] + k[:-1, 1:] + k[:-1, :-1])
 
     def distance(y: Floats) -> float:
-        return float(np.sum((y - centres) ** 2))
+        return float(np.sum((y - centers) ** 2))
 
     rng = np.random.default_rng(1)
     for step in 5.0 * rng.normal(size=(5, 3)):
@@ -132,7 +132,7 @@ def test_the_measures_see_nets_that_are_not_conical() -> None:
 
 
 def test_flat_circular_nets_become_flat_conical_nets() -> None:
-    """All planes are one; each vertex stays in its circle's centre, the limit of the axis rule."""
+    """All planes are one; each vertex stays in its circle's center, the limit of the axis rule."""
     u, v = np.meshgrid(np.arange(4.0), np.arange(3.0) ** 1.2, indexing="ij")
     flat = np.stack([u, v, 0 * u], axis=-1)
     k = circular_to_conical(flat)

@@ -86,9 +86,9 @@ def test_the_eighth_plane_by_four_routes() -> None:
         # The oriented sphere that four planes touch: <n, c> + r = d.
         four = np.stack([p[s] for s in SEVEN[:4]])
         rows = np.column_stack([four[:, :3], np.ones(4)])
-        centre_radius = np.linalg.solve(rows, four[:, 3])
-        touch = eighth[:3] @ centre_radius[:3] + centre_radius[3] - eighth[3]
-        assert abs(touch) < 1e-9 * max(1.0, float(np.abs(centre_radius).max()))
+        center_radius = np.linalg.solve(rows, four[:, 3])
+        touch = eighth[:3] @ center_radius[:3] + center_radius[3] - eighth[3]
+        assert abs(touch) < 1e-9 * max(1.0, float(np.abs(center_radius).max()))
 
 
 def test_layers_are_conical_nets_of_points() -> None:

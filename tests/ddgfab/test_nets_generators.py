@@ -171,14 +171,14 @@ def test_moulding_nets_have_horizontal_lines_and_vertical_congruent_ribs() -> No
 
 def test_canal_nets_lie_on_their_spheres_and_circles() -> None:
     way = np.linspace(0.0, 1.5, 10)
-    centres = np.stack([np.cos(way), np.sin(way), 0.5 * way], axis=1) * 9000.0
+    centers = np.stack([np.cos(way), np.sin(way), 0.5 * way], axis=1) * 9000.0
     radii = 3000.0 + 500.0 * np.sin(2.0 * way)
     x = space_canal()
-    middle, radius, normal = canal_circles(centres, radii)
+    middle, radius, normal = canal_circles(centers, radii)
     assert x.shape == (9, 6, 3)
     for k in range(9):
-        assert np.abs(np.linalg.norm(x[k] - centres[k], axis=1) - radii[k]).max() < 1e-9
-        assert np.abs(np.linalg.norm(x[k] - centres[k + 1], axis=1) - radii[k + 1]).max() < 1e-9
+        assert np.abs(np.linalg.norm(x[k] - centers[k], axis=1) - radii[k]).max() < 1e-9
+        assert np.abs(np.linalg.norm(x[k] - centers[k + 1], axis=1) - radii[k + 1]).max() < 1e-9
         assert np.abs(np.linalg.norm(x[k] - middle[k], axis=1) - radius[k]).max() < 1e-9
         assert np.abs((x[k] - middle[k]) @ normal[k]).max() < 1e-9
     assert circularity(x).max() < 1e-12
@@ -186,8 +186,8 @@ def test_canal_nets_lie_on_their_spheres_and_circles() -> None:
 
 
 def test_a_canal_of_equal_spheres_on_a_line_is_a_cylinder() -> None:
-    centres = np.stack([np.arange(5.0), np.zeros(5), np.zeros(5)], axis=1)
-    x = canal_net(centres, np.full(5, 2.0), np.linspace(0.5, 2.0, 4))
+    centers = np.stack([np.arange(5.0), np.zeros(5), np.zeros(5)], axis=1)
+    x = canal_net(centers, np.full(5, 2.0), np.linspace(0.5, 2.0, 4))
     assert np.abs(x[..., 0] - (np.arange(4) + 0.5)[:, None]).max() < 1e-14
     assert np.ptp(x[..., 1:], axis=0).max() < 1e-14
     assert np.abs(np.linalg.norm(x[..., 1:], axis=-1) - np.sqrt(4 - 0.25)).max() < 1e-14

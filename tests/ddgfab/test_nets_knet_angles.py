@@ -151,7 +151,7 @@ def test_half_turn_of_a_skew_parallelogram() -> None:
     x12, x2 = x * [-1, -1, 1], x1 * [-1, -1, 1]
     quad = skew_parallelogram(x, x1, x2, x12)
     assert np.abs(quad.axis) == pytest.approx([0, 0, 1], abs=1e-15)
-    assert quad.centre[:2] == pytest.approx([0, 0], abs=1e-15)
+    assert quad.center[:2] == pytest.approx([0, 0], abs=1e-15)
     assert quad.half_turn([x, x1, x2, x12]) == pytest.approx(np.array([x12, x2, x1, x]), abs=1e-15)
     # Twists are equal on opposite sides, of other sign on neighbours; one scale for both.
     twists = quad.twists()

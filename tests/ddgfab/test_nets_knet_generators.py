@@ -100,7 +100,7 @@ def test_towers_are_closed_and_rotational() -> None:
         rings = mesh.vertices.reshape(-1, count, 3)
         turned = rings @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
         assert np.abs(turned - np.roll(rings, -1, axis=1)).max() < 1e-8
-        out = np.einsum("fx,fx->f", mesh.face_normals, mesh.face_centres * [1, 1, 0])
+        out = np.einsum("fx,fx->f", mesh.face_normals, mesh.face_centers * [1, 1, 0])
         assert out.min() > 0
 
 

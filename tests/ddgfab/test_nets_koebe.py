@@ -28,7 +28,7 @@ def test_edges_touch_the_sphere_and_circles_pack(name: str) -> None:
     for condition in ("tangency", "planarity", "packing", "centring"):
         assert found[condition] < 1e-12, condition
     assert found["interior"] < 0
-    assert np.einsum("fx,fx->f", mesh.face_normals, mesh.face_centres).min() > 0  # outside is out
+    assert np.einsum("fx,fx->f", mesh.face_normals, mesh.face_centers).min() > 0  # outside is out
     # |v|^2 - 1 = r_v^2, by the distances of vertices to contacts.
     for k in (0, 1):
         v = mesh.edges[:, k]
@@ -41,15 +41,15 @@ def test_edges_touch_the_sphere_and_circles_pack(name: str) -> None:
         (solid.face_circles, mesh.edge_faces),
     ):
         for k in (0, 1):
-            arm = solid.contacts - circles.centres[ends[:, k]]
+            arm = solid.contacts - circles.centers[ends[:, k]]
             assert np.abs(np.linalg.norm(arm, axis=1) - circles.radii[ends[:, k]]).max() < 1e-12
             assert np.abs(np.einsum("ex,ex->e", arm, circles.normals[ends[:, k]])).max() < 1e-12
     # Faces contain the contact points, so incircles of the s-isothermic net are the same circles.
     own = solid.net().incircles
-    assert np.abs(own.centres - solid.face_circles.centres).max() < 1e-11
+    assert np.abs(own.centers - solid.face_circles.centers).max() < 1e-11
     assert np.abs(own.radii - solid.face_circles.radii).max() < 1e-11
     spheres = solid.vertex_spheres
-    assert np.abs(spheres.centres - mesh.vertices).max() == 0
+    assert np.abs(spheres.centers - mesh.vertices).max() == 0
     assert np.abs(spheres.radii - solid.radii).max() == 0
 
 
@@ -98,7 +98,7 @@ def test_the_dual_polyhedron_has_the_same_contacts(name: str) -> None:
     assert np.abs(gram(two) - poles @ poles.T).max() < 1e-10
 
 
-def test_mean_of_vertices_is_not_the_centre_in_general() -> None:
+def test_mean_of_vertices_is_not_the_center_in_general() -> None:
     solid = koebe(random_hull(12, 5))
     assert np.linalg.norm(solid.contacts.mean(axis=0)) < 1e-13
     assert np.linalg.norm(solid.mesh.vertices.mean(axis=0)) > 1e-3
@@ -155,7 +155,7 @@ def test_newton_takes_few_steps_and_ends_at_rounding() -> None:
     assert wide.residuals()["tangency"] < 1e-12
 
 
-def test_boosts_are_lorentz_transformations_that_centre() -> None:
+def test_boosts_are_lorentz_transformations_that_center() -> None:
     rng = np.random.default_rng(2)
     t = unit(rng.normal(size=(50, 3)) + np.array([2.0, 0.0, 1.0]))
     cone = np.concatenate([t, np.ones((50, 1))], axis=1) * rng.uniform(0.5, 2.0, (50, 1))
@@ -175,7 +175,7 @@ def test_boosts_are_lorentz_transformations_that_centre() -> None:
     image = boost(w) @ [*point, 1.0]
     assert np.abs(image[:3] / image[3] - wanted).max() < 1e-14
     most = np.array([[0.0, 0.0, 1.0, 1.0]] * 5 + [[1.0, 0.0, 0.0, 1.0]])
-    with pytest.raises(DegenerateError, match="cannot be centred"):
+    with pytest.raises(DegenerateError, match="cannot be centered"):
         centring(most)
 
 

@@ -54,16 +54,16 @@ def test_balls(shape: str) -> None:
     assert not len(mesh.boundary_loops)
     assert mesh.vertices[:, 2].min() == pytest.approx(0.0, abs=1e-9)
     edge_offset_is_exact(mesh)
-    # Node axes run through the centre of the sphere that all edges touch.
+    # Node axes run through the center of the sphere that all edges touch.
     axes = edge_axes(mesh)
     lengths = beam_heights(mesh, axes)
     assert np.abs(lengths - 1).max() < 1e-11
-    centre = np.linalg.lstsq(
+    center = np.linalg.lstsq(
         (np.eye(3) - np.einsum("vi,vj->vij", axes, axes)).reshape(-1, 3),
         (mesh.vertices - axes * np.einsum("vx,vx->v", axes, mesh.vertices)[:, None]).ravel(),
         rcond=None,
     )[0]
-    start = mesh.vertices[mesh.edges[:, 0]] - centre
+    start = mesh.vertices[mesh.edges[:, 0]] - center
     along = mesh.edge_vectors / mesh.edge_lengths[:, None]
     away = np.linalg.norm(np.cross(start, along), axis=1)
     assert np.abs(away - 5000).max() < 1e-8
@@ -111,7 +111,7 @@ def test_auto_leans_no_more_than_beams_of_one_height() -> None:
 def test_edge_axes_of_other_nets_are_refused_with_the_edge() -> None:
     with pytest.raises(SupportError, match=r"parallel to a Koebe net: .*\(edge \d+\)"):
         support_structure(generate("translation"), "edge")
-    ball = generate("koebe", {"shape": "icosahedron", "cells": 2})  # triangles: through the centre
+    ball = generate("koebe", {"shape": "icosahedron", "cells": 2})  # triangles: through the center
     assert support_structure(ball, "edge").torsion_free
 
 
@@ -204,7 +204,7 @@ def test_circles_of_a_koebe_net_from_its_mesh_alone() -> None:
     for name, own in (("incircle", solid.face_circles), ("vertex-circle", solid.vertex_circles)):
         found, wanted = curves[name], own.scaled(3000.0)
         assert isinstance(found, Circles)
-        assert np.abs(found.centres - wanted.centres).max() < 1e-8
+        assert np.abs(found.centers - wanted.centers).max() < 1e-8
         assert np.abs(found.radii - wanted.radii).max() < 1e-8
         assert np.abs(found.normals - wanted.normals).max() < 1e-8
     assert np.abs(curves["sphere"].radii - 3000 * solid.radii).max() < 1e-8
@@ -231,7 +231,7 @@ def test_circles_are_written_and_read_again(tmp_path: Path) -> None:
     assert all(line[0] == line[-1] and len(line) == 25 for line in lines)
     circles = net.circles
     for k in (0, 5, 11):
-        arm = points[np.array(lines[k]) - 1] - circles.centres[k]
+        arm = points[np.array(lines[k]) - 1] - circles.centers[k]
         assert np.abs(np.linalg.norm(arm, axis=1) - circles.radii[k]).max() < 1e-12
         assert np.abs(arm @ circles.normals[k]).max() < 1e-12
     with pytest.raises(InputError, match=r"as \.csv or \.obj, not as '\.txt'"):

@@ -42,13 +42,13 @@ SURFACES = {
 }
 
 
-def centred(points: Floats) -> Floats:
+def centered(points: Floats) -> Floats:
     return np.asarray(points - points.mean(axis=0))
 
 
 def apart(one: Floats, two: Floats) -> float:
     """Greatest distance of two sets of points up to a rotation, a reflection and a shift."""
-    a, b = centred(one), centred(two)
+    a, b = centered(one), centered(two)
     u, _, vt = np.linalg.svd(a.T @ b)
     return float(np.abs(a @ (u @ vt) - b).max())
 
@@ -107,7 +107,7 @@ def test_enneper_is_the_closed_form() -> None:
     found = np.swapaxes(net.mesh.vertices.reshape(9, 7, 3), 0, 1)
     assert (
         min(
-            np.abs(centred(s * found.reshape(-1, 3)) - centred(wanted.reshape(-1, 3))).max()
+            np.abs(centered(s * found.reshape(-1, 3)) - centered(wanted.reshape(-1, 3))).max()
             for s in (1, -1)
         )
         < 1e-13
@@ -130,13 +130,13 @@ def test_catenoid_is_the_closed_form() -> None:
 
 def test_koebe_vertices_of_planar_circles() -> None:
     """A second route: the pole of the circle through three points projected to the sphere."""
-    centre, radius = np.array([0.4, -0.3]), 0.7
+    center, radius = np.array([0.4, -0.3]), 0.7
     angle = np.array([0.1, 1.7, 4.0])
-    w = centre + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    w = center + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     square = (w**2).sum(axis=1)
     t = np.concatenate([2 * w, (square - 1)[:, None]], axis=1) / (1 + square)[:, None]
     pole = np.linalg.solve(t, np.ones(3))
-    vertex, length = koebe_vertex(centre, radius)
+    vertex, length = koebe_vertex(center, radius)
     assert np.abs(vertex - pole).max() < 1e-14
     assert length**2 == pytest.approx(vertex @ vertex - 1)
     # mathematics.md 7.2 for C = (1, 0), r = 1/2: |C|^2 - r^2 = 3/4.
@@ -308,11 +308,11 @@ def test_branch_points_from_the_double_cover() -> None:
     net = minimal_surface(gauss.covered())
     assert net.mesh.n_faces == 96
     assert np.abs(net.mean_curvatures()).max() < 1e-12
-    centre = np.flatnonzero(net.mesh.valences == 6)
-    assert len(centre) == 1
+    center = np.flatnonzero(net.mesh.valences == 6)
+    assert len(center) == 1
     # The two sheets are images of each other in the point.
     points = net.mesh.vertices
-    image = 2 * points[centre] - points
+    image = 2 * points[center] - points
     off = np.linalg.norm(image[:, None] - points[None], axis=2).min(axis=1)
     assert off.max() < 1e-11 * net.mesh.diameter
     assert np.abs(np.abs(koebe_field(net.mesh)) - np.abs(net.gauss.mesh.vertices)).max() < 1e-10

@@ -79,16 +79,16 @@ def test_reflected_normals_do_not_close_on_other_nets() -> None:
 
 
 def test_inversion_is_an_involution_and_keeps_circular_nets_with_their_normals() -> None:
-    x, centre = helix_net(), np.array([-9000.0, 400.0, 300.0])
-    y = invert(x, centre, 8000.0)
-    assert np.abs(invert(y, centre, 8000.0) - x).max() < 1e-8
+    x, center = helix_net(), np.array([-9000.0, 400.0, 300.0])
+    y = invert(x, center, 8000.0)
+    assert np.abs(invert(y, center, 8000.0) - x).max() < 1e-8
     assert circularity(y).max() < 1e-12
     n = vertex_normals(x, (0.1, 0.2, 1.0))
-    m = invert_normals(x, n, centre)
+    m = invert_normals(x, n, center)
     assert np.abs(m - vertex_normals(y, m[0, 0])).max() < 1e-11
     # Derivative by differences: a point moved along its normal moves along the image normal.
     step = 1e-3
-    moved = (invert(x + step * n, centre, 8000.0) - y) / step
+    moved = (invert(x + step * n, center, 8000.0) - y) / step
     assert np.abs(unit(moved) - m).max() < 1e-6
 
 

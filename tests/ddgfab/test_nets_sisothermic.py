@@ -88,7 +88,7 @@ def test_tangential_of_polygons_of_any_number_of_sides() -> None:
         polygon = tangential_polygon(angles)
         found = tangential(Mesh.build(polygon, [list(range(count))]))
         assert found.face_radii[0] == pytest.approx(1.3, abs=1e-13)
-        assert np.abs(found.centres[0] - [3.0, -1.0, 2.0]).max() < 1e-13
+        assert np.abs(found.centers[0] - [3.0, -1.0, 2.0]).max() < 1e-13
         assert max(v.max() for v in found.defects.values()) < 1e-14
 
 
@@ -108,7 +108,7 @@ def test_dual_of_a_face(count: int) -> None:
     wanted = -((-1.0) ** j)[:, None] * (after - here) / (r * r_after)[:, None]
     sides = np.roll(found, -1, axis=0) - found
     assert np.abs(sides - wanted).max() < 1e-13
-    # It touches a circle of radius 1 / rho about 0: distance of every side from the centre.
+    # It touches a circle of radius 1 / rho about 0: distance of every side from the center.
     away = np.linalg.norm(np.cross(found, unit(sides)), axis=1)
     assert np.abs(away - 1 / 1.3).max() < 1e-13
     # Radii 1 / r: contact points at that distance from the corners.

@@ -51,12 +51,12 @@ def quads(rows: int = 5, columns: int = 4, noise: float = 0.05) -> Mesh:
 
 def hexagons(noise: float = 0.05) -> Mesh:
     """Seven hexagons of side one round the first, on a bowl."""
-    centres = [(0, 0), (1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1)]
+    centers = [(0, 0), (1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1)]
     turn = np.pi / 3 * np.arange(6) + np.pi / 6
     ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     names: dict[tuple[float, float], int] = {}
     points, faces = [], []
-    for i, j in centres:
+    for i, j in centers:
         middle = np.sqrt(3) * np.array([i + j / 2, j * np.sqrt(3) / 2])
         face = []
         for corner in middle + ring:

@@ -65,9 +65,9 @@ def honeycomb(count: int) -> Mesh:
     turns = np.radians(60.0 * np.arange(6) + 30.0)
     for a in range(count):
         for b in range(count):
-            centre = np.array([sqrt3 * (a + 0.5 * b), 1.5 * b])
+            center = np.array([sqrt3 * (a + 0.5 * b), 1.5 * b])
             face = []
-            for x, y in centre + np.stack([np.cos(turns), np.sin(turns)], axis=1):
+            for x, y in center + np.stack([np.cos(turns), np.sin(turns)], axis=1):
                 key = round(1e3 * x), round(1e3 * y)
                 if key not in ids:
                     ids[key] = len(points)

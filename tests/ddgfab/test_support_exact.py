@@ -20,7 +20,7 @@ from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.nets import circular_to_conical, circularity, evolve_by_angles, vertex_normals
 from ddgfab.support import (
     SupportStructure,
-    best_centre,
+    best_center,
     central,
     cone_axes,
     edge_bend,
@@ -192,38 +192,38 @@ def test_conical_net_gets_the_axes_of_its_cones() -> None:
 
 # --- triangles -----------------------------------------------------------------------------
 def test_triangle_meshes_have_central_structures_only() -> None:
-    """Prop. 5.2: on a distorted icosahedron the freedom is that of the centre, 3."""
+    """Prop. 5.2: on a distorted icosahedron the freedom is that of the center, 3."""
     mesh = icosahedron()
     structure = central(mesh, (0.1, -0.1, 0.05))
     assert structure.torsion_deg_max < 1e-9
     assert free_dimension(structure) == 3
 
 
-def test_best_centre_of_a_sphere_and_of_a_plane() -> None:
+def test_best_center_of_a_sphere_and_of_a_plane() -> None:
     mesh = icosahedron(0)
     ball = mesh.with_vertices(unit(mesh.vertices) * 2 + [5, 6, 7])
-    centre = best_centre(ball)
-    assert centre is not None
-    assert np.abs(centre - [5, 6, 7]).max() < 0.3
+    center = best_center(ball)
+    assert center is not None
+    assert np.abs(center - [5, 6, 7]).max() < 0.3
     assert support_structure(ball, "central").lean_deg_max < 20
     flat = grid_mesh(np.stack(np.meshgrid([0.0, 1, 2], [0.0, 1], [0.0]), axis=-1)[:, :, 0])
-    assert best_centre(flat) is None
+    assert best_center(flat) is None
     parallel = central(flat)
     assert np.abs(np.abs(parallel.axes[:, 2]) - 1).max() < 1e-12
     assert parallel.lean_deg_max < 1e-9  # on the side of the normals
 
 
-def test_vertices_without_faces_move_no_centre() -> None:
+def test_vertices_without_faces_move_no_center() -> None:
     mesh = icosahedron()
     more = Mesh.build(np.concatenate([mesh.vertices, [[40.0, -30.0, 20.0]]]), mesh.faces)
-    one, two = best_centre(mesh), best_centre(more)
+    one, two = best_center(mesh), best_center(more)
     assert one is not None
     assert two is not None
     assert np.abs(one - two).max() < 1e-12
     structures = central(mesh), central(more)
     assert np.abs(structures[0].axes - structures[1].axes[:-1]).max() < 1e-12
     assert (structures[1].axes[-1] == 0).all()
-    assert central(more, more.vertices[-1]).torsion_deg_max < 1e-9  # it may be the centre itself
+    assert central(more, more.vertices[-1]).torsion_deg_max < 1e-9  # it may be the center itself
 
 
 def test_triangle_mesh_is_refused_with_the_way_out(mesh_file: Callable[[str], Path]) -> None:
@@ -238,9 +238,9 @@ def test_triangle_mesh_is_refused_with_the_way_out(mesh_file: Callable[[str], Pa
     assert structure.lean_deg_max < 10
 
 
-def test_centre_at_a_vertex_is_refused() -> None:
+def test_center_at_a_vertex_is_refused() -> None:
     mesh = icosahedron()
-    with pytest.raises(SupportError, match="vertex 4 lies in the centre"):
+    with pytest.raises(SupportError, match="vertex 4 lies in the center"):
         central(mesh, mesh.vertices[4])
 
 
@@ -397,7 +397,7 @@ def test_edge_planes_hold_edge_and_axes_and_point_left() -> None:
     for inside in (unit(mesh.edge_vectors), structure.axes[start], structure.axes[end]):
         assert np.abs(np.einsum("ex,ex->e", normals, inside)).max() < 1e-9
     middle = 0.5 * (mesh.vertices[start] + mesh.vertices[end])
-    left = mesh.face_centres[mesh.edge_faces[:, 0]] - middle
+    left = mesh.face_centers[mesh.edge_faces[:, 0]] - middle
     assert (np.einsum("ex,ex->e", normals, left) > 0).all()
 
 

@@ -141,9 +141,9 @@ def bipyramid(sides: int = 5) -> Mesh:
 
 def incircle_defect(mesh: Mesh) -> float:
     """Greatest det(c' - c, n, n') of neighbouring incircles, relative to the distance."""
-    centres, axes = incircle_axes(mesh)
+    centers, axes = incircle_axes(mesh)
     left, right = mesh.edge_faces.T
-    step = unit(centres[right] - centres[left])
+    step = unit(centers[right] - centers[left])
     value = np.einsum("ex,ex->e", step, np.cross(axes[left], axes[right]))
     return float(np.abs(value).max())
 
@@ -162,8 +162,8 @@ def test_incircle_axes_of_a_cp_mesh_support_its_dual() -> None:
     radius = np.sqrt(np.sum(some.vertices**2, axis=1) - 1)
     assert np.abs(radius[some.edges].sum(axis=1) - some.edge_lengths).max() < 1e-13  # CP: 10.11
     assert np.ptp(some.edge_lengths) > 0.1
-    centres = incircle_axes(some)[0]
-    sides = some.vertices[some.corners] - centres[some.corner_face]
+    centers = incircle_axes(some)[0]
+    sides = some.vertices[some.corners] - centers[some.corner_face]
     on = np.linalg.norm(np.cross(sides, along[some.corner_edge]), axis=1).reshape(-1, 3)
     assert np.ptp(on, axis=1).max() < 1e-13  # one radius a face
     assert incircle_defect(some) < 1e-14

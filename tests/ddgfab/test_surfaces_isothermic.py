@@ -63,8 +63,8 @@ def test_dual_of_enneper_is_a_sphere() -> None:
     assert defect < 1e-5
     rows = np.column_stack([2 * dual.reshape(-1, 3), np.ones(dual[..., 0].size)])
     squares = (dual.reshape(-1, 3) ** 2).sum(axis=1)
-    centre = np.linalg.lstsq(rows, squares, rcond=None)[0]
-    assert np.abs(rows @ centre - squares).max() < 1e-4 * squares.max()
+    center = np.linalg.lstsq(rows, squares, rcond=None)[0]
+    assert np.abs(rows @ center - squares).max() < 1e-4 * squares.max()
 
 
 def test_what_is_not_isothermic_does_not_close() -> None:

@@ -77,7 +77,7 @@ def test_ellipsoid_with_two_umbilics_has_quads_away_from_them() -> None:
     inner = found.inner_faces
     odd = inner[found.mesh.face_sizes[inner] != 4]
     places = np.array([umbilic.x for umbilic in network.umbilics])
-    for center in found.mesh.face_centres[odd]:
+    for center in found.mesh.face_centers[odd]:
         assert np.linalg.norm(places - center, axis=1).min() < 0.35
     assert len(odd) <= 2
     assert len(inner) > 50

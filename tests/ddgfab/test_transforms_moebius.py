@@ -46,8 +46,8 @@ def test_composition_and_inverse(moebius: Moebius) -> None:
     assert (moebius @ moebius.inverse()).pole is None
 
 
-def test_two_inversions_with_one_centre_are_a_scaling() -> None:
-    """J with radius 2 then 6 about one centre: factor (6 / 2)^2."""
+def test_two_inversions_with_one_center_are_a_scaling() -> None:
+    """J with radius 2 then 6 about one center: factor (6 / 2)^2."""
     both = Moebius.inversion((1, 1, 1), 6.0) @ Moebius.inversion((1, 1, 1), 2.0)
     assert both.pole is None
     assert np.abs(both(POINTS) - (9 * (POINTS - 1) + 1)).max() < 1e-12

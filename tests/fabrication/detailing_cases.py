@@ -51,12 +51,12 @@ def fan(count: int, closed: bool, drop: float = 200.0, side: float = 1500.0) -> 
 
 def hexagons() -> Case:
     """Seven hexagons, lifted onto a paraboloid (skew faces), axes through a center: valence 3."""
-    centres = [(0.0, 0.0)] + [
+    centers = [(0.0, 0.0)] + [
         (3**0.5 * np.cos(a), 3**0.5 * np.sin(a)) for a in np.pi / 6 + np.arange(6) * np.pi / 3
     ]
     points: list[tuple[float, float]] = []
     faces = []
-    for cx, cy in centres:
+    for cx, cy in centers:
         face = []
         for a in np.arange(6) * np.pi / 3:
             p = (round(cx + np.cos(a), 6), round(cy + np.sin(a), 6))

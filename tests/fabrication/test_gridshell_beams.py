@@ -61,7 +61,7 @@ def test_flat_grid_by_hand() -> None:
 
 
 def test_known_mitre() -> None:
-    # Centre 5000 below the corner (0, 0): the axis at (1500, 0) leans by atan(1500 / 5000).
+    # Center 5000 below the corner (0, 0): the axis at (1500, 0) leans by atan(1500 / 5000).
     shell = central(grid(1, 1), (0.0, 0.0, -5000.0)).detail()
     beam = next(b for b in shell.beams if set(b.vertices) == {0, 2})
     assert beam.vertices == (0, 2)
@@ -172,7 +172,7 @@ def test_topology_and_torsion_of_the_mesh() -> None:
         assert beam.panels[1] == (f"P-{right:04d}" if right >= 0 else None)
         assert beam.nodes == tuple(f"N-{v:04d}" for v in case.mesh.edges[beam.edge])
         assert beam.torsion < 1e-9
-        toward = case.mesh.face_centres[left] - case.mesh.vertices[beam.vertices[0]]
+        toward = case.mesh.face_centers[left] - case.mesh.vertices[beam.vertices[0]]
         assert toward @ beam.placement[:3, 1] > 0  # y points into the left face
 
 

@@ -149,7 +149,7 @@ def test_left_and_right_are_as_the_legend_says() -> None:
         middle = case.vertices[list(beam.vertices)].mean(axis=0)
         for mark, sign in zip(beam.panels, (1.0, -1.0), strict=True):
             if mark is not None:
-                away = case.face_centres[int(mark[2:])] - middle
+                away = case.face_centers[int(mark[2:])] - middle
                 assert sign * (away @ beam.placement[:3, 1]) > 0
 
 

@@ -92,7 +92,7 @@ def test_panes_lie_above_their_faces_and_clear_the_steel() -> None:
         for panel in shell.panels:
             center = panel.placement[:3, 3]
             normal = panel.placement[:3, 2]
-            expected = case.mesh.face_centres[panel.face] + shell.offset * normal
+            expected = case.mesh.face_centers[panel.face] + shell.offset * normal
             assert np.allclose(center, expected)
             assert normal @ case.mesh.face_normals[panel.face] > 0.99
             for s, vertex in zip(panel.sides, case.mesh.face(panel.face), strict=True):

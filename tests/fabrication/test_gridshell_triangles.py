@@ -43,7 +43,7 @@ def advised(error: AxesError | LimitError) -> dict[str, dict[str, object]]:
     return sections
 
 
-def test_a_dome_is_told_to_take_a_centre() -> None:
+def test_a_dome_is_told_to_take_a_center() -> None:
     mesh = triangles(1200.0, 0.0)
     with pytest.raises(AxesError, match=r"Prop\. 5\.2") as caught:
         design(mesh)

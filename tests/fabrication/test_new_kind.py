@@ -50,7 +50,7 @@ GUSSET: Final = Kind("gusset", "G", "GP", "Gussets", (0.25, 0.5, 0.75), "glass")
 class GussetShape:
     """A right-angled triangular plate on z = 0, its right angle at the origin, with a round bore.
 
-    along, up, thickness [mm]; bore : diameter [mm], centred at a quarter of both legs; drilled :
+    along, up, thickness [mm]; bore : diameter [mm], centered at a quarter of both legs; drilled :
     diameter [mm] of a hole along y through the middle of the plate, 0 for none
     """
 

@@ -45,7 +45,7 @@ def test_patch_of_a_conical_net_with_every_file_read_back(
     mesh_file: MeshFile, tmp_path: Path
 ) -> None:
     mesh = read_mesh(mesh_file("conical1.obj")).mesh
-    away = np.linalg.norm(mesh.face_centres - mesh.face_centres[0], axis=1)
+    away = np.linalg.norm(mesh.face_centers - mesh.face_centers[0], axis=1)
     faces = [mesh.faces[f] for f in np.argsort(away, kind="stable")[:48].tolist()]
     used = sorted({v for face in faces for v in face})
     place = {v: k for k, v in enumerate(used)}

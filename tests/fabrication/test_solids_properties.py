@@ -131,7 +131,7 @@ def test_square_cope_by_hand() -> None:
     assert volume_of(BEAMS["bar coped square"][0]) == pytest.approx(expected, rel=1e-12)
 
 
-def test_slope_of_a_centred_profile_leaves_the_volume() -> None:
+def test_slope_of_a_centered_profile_leaves_the_volume() -> None:
     # The cut turns about the y axis through the profile's centroid: what is lost above is
     # gained below.
     one, two = (beam(FLAT, slopes=slopes) for slopes in ((0.0, 0.0), (0.4, 0.7)))

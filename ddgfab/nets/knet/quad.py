@@ -24,12 +24,12 @@ class SkewParallelogram:
     Attributes
     ----------
     corners : (4, 3) x, x_1, x_12, x_2 in cyclic order
-    centre, axis : (3,) a point and the unit direction of the axis of its half-turn
+    center, axis : (3,) a point and the unit direction of the axis of its half-turn
     planar : whether it is a parallelogram in a plane
     """
 
     corners: Floats
-    centre: Floats
+    center: Floats
     axis: Floats
     planar: bool
 
@@ -41,8 +41,8 @@ class SkewParallelogram:
 
     def half_turn(self, points: ArrayLike) -> Floats:
         """(..., 3) points after the half-turn, which exchanges x with x_12 and x_1 with x_2."""
-        p = np.asarray(points, dtype=np.float64) - self.centre
-        return np.asarray(self.centre + 2.0 * (p @ self.axis)[..., None] * self.axis - p)
+        p = np.asarray(points, dtype=np.float64) - self.center
+        return np.asarray(self.center + 2.0 * (p @ self.axis)[..., None] * self.axis - p)
 
     def normals(self) -> Floats:
         """(4, 3) unit normals of the planes of the two sides at each corner, in order.

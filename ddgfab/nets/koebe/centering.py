@@ -12,10 +12,10 @@ from ddgfab.mesh import Floats
 MAX_BOOSTS: Final = 200
 """Newton steps of the centring; 5 to 10 are usual."""
 
-CENTRED: Final = 1e-14
-"""Contact points are centred when their mean is nearer to zero than this (sphere of radius 1)."""
+CENTERED: Final = 1e-14
+"""Contact points are centered when their mean is nearer to zero than this (sphere of radius 1)."""
 
-CENTRED_LOOSE: Final = 1e-11
+CENTERED_LOOSE: Final = 1e-11
 """Where rounding lets the mean shrink no more, it is accepted below this."""
 
 FASTEST: Final = 0.9
@@ -41,7 +41,7 @@ def boost(velocity: Floats) -> Floats:
 def centring(points: Floats) -> tuple[Floats, float]:
     """(4, 4) Lorentz transformation that moves the mean of points to zero, and the mean left.
 
-    Newton's method for the conformal centre of mass: (I - mean t t^T) W = mean t, then a boost
+    Newton's method for the conformal center of mass: (I - mean t t^T) W = mean t, then a boost
     with velocity W. The boost is unique where less than half of the points coincide.
 
     Parameters
@@ -51,7 +51,7 @@ def centring(points: Floats) -> tuple[Floats, float]:
     Raises
     ------
     DegenerateError
-        The points cannot be centred.
+        The points cannot be centered.
 
     Source: Springborn, A unique representation of polyhedral types (2005); mathematics.md 7.1.
     """
@@ -63,18 +63,18 @@ def centring(points: Floats) -> tuple[Floats, float]:
         t = moved[:, :3] / moved[:, 3:]
         mean = t.mean(axis=0)
         size = float(np.linalg.norm(mean))
-        if size >= left and left < CENTRED_LOOSE:
+        if size >= left and left < CENTERED_LOOSE:
             break  # rounding
         if size < left:
             best, left = total, size
-        if size < CENTRED:
+        if size < CENTERED:
             break
         velocity = np.linalg.solve(np.eye(3) - t.T @ t / len(t), mean)
         speed = float(np.linalg.norm(velocity))
         total = boost(velocity * min(1.0, FASTEST / speed)) @ total
-    if left >= CENTRED_LOOSE:
+    if left >= CENTERED_LOOSE:
         raise DegenerateError(
-            f"the contact points cannot be centred: their mean stays {left:.1e} off the centre of "
-            f"the sphere (limit {CENTRED_LOOSE:g})"
+            f"the contact points cannot be centered: their mean stays {left:.1e} off the center of "
+            f"the sphere (limit {CENTERED_LOOSE:g})"
         )
     return best, left

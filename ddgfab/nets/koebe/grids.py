@@ -14,7 +14,7 @@ from ddgfab.quads import finite, whole
 
 
 @checked
-def koebe_vertex(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
+def koebe_vertex(centers: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
     """Koebe vertices (..., 3) of circles in the plane, and their distances (...) to the sphere.
 
     The plane is projected from the north pole: circle (C, r) goes to the vertex
@@ -22,7 +22,7 @@ def koebe_vertex(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
 
     Parameters
     ----------
-    centres : (..., 2)
+    centers : (..., 2)
     radii : (...) or a number, positive
 
     Raises
@@ -35,12 +35,12 @@ def koebe_vertex(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
 
     Source: mathematics.md 7.2.
     """
-    c, r = np.asarray(centres, dtype=np.float64), np.asarray(radii, dtype=np.float64)
+    c, r = np.asarray(centers, dtype=np.float64), np.asarray(radii, dtype=np.float64)
     if c.ndim < 1 or c.shape[-1] != 2:
-        raise InputError(f"centres have shape {c.shape}; (..., 2) is needed")
+        raise InputError(f"centers have shape {c.shape}; (..., 2) is needed")
     if r.ndim and r.shape != c.shape[:-1]:
         raise InputError(f"radii have shape {r.shape}; {c.shape[:-1]} or one number is needed")
-    finite(c, "centres")
+    finite(c, "centers")
     finite(r, "radii")
     if not (r > 0).all():
         raise InputError(f"a circle has the radius {r.min():g}; radii are positive")
@@ -58,7 +58,7 @@ def koebe_vertex(centres: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats]:
 
 @checked
 def enneper_koebe(cells: tuple[int, int], half_step: float) -> SIsothermic:
-    """Koebe net of a square grid of circles of radius h at steps 2 h, centred at the south pole.
+    """Koebe net of a square grid of circles of radius h at steps 2 h, centered at the south pole.
 
     Its dual is Enneper's surface. The mesh is oriented with normals out of the sphere.
 
@@ -80,8 +80,8 @@ def enneper_koebe(cells: tuple[int, int], half_step: float) -> SIsothermic:
     if not 0 < half_step < np.inf:
         raise InputError(f"h = {half_step:g}: half a step is a positive number")
     u, v = (half_step * (2.0 * np.arange(n + 1) - n) for n in cells)
-    centres = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1)
-    points, radii = koebe_vertex(centres, half_step)
+    centers = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1)
+    points, radii = koebe_vertex(centers, half_step)
     # Seen from outside, the projected plane is a mirror image: directions change places.
     net = grid_mesh(np.swapaxes(points, 0, 1))
     return SIsothermic(net, radii.T.ravel())

@@ -221,22 +221,22 @@ def planar_circles(pattern: CirclePattern, radii: Floats) -> Floats:
     # From the smallest circle on, so that all circles keep their digits; most at moderate places.
     free = ~lines
     root = int(radii.argmin())
-    centre = tree_sums(pattern.count, v[live], f[live], jump, root)[0]
-    scale = float(np.median(np.abs(centre[free])))
-    centre, radius = centre / scale, radii / scale
+    center = tree_sums(pattern.count, v[live], f[live], jump, root)[0]
+    scale = float(np.median(np.abs(center[free])))
+    center, radius = center / scale, radii / scale
     vectors = np.empty((pattern.count, 4))
-    c, r = centre[free], radius[free]
+    c, r = center[free], radius[free]
     power = (np.abs(c) - r) * (np.abs(c) + r)
     vectors[free] = np.stack([2.0 * c.real, 2.0 * c.imag, power - 1.0, power + 1.0], axis=1)
     vectors[free] /= 2.0 * r[:, None]
     for line in np.flatnonzero(lines).tolist():
-        # Circles orthogonal to a line have their centres on it.
+        # Circles orthogonal to a line have their centers on it.
         if line < mesh.n_vertices:
             at = np.flatnonzero((v == line) & ~both)
-            normals, on = -direction[at], centre[f[at]]
+            normals, on = -direction[at], center[f[at]]
         else:
             at = np.flatnonzero((f == line) & ~both)
-            normals, on = direction[at], centre[v[at]]
+            normals, on = direction[at], center[v[at]]
         n = normals.mean()
         n /= abs(n)
         offset = float((n.conjugate() * on).real.mean())

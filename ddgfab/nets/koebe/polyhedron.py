@@ -87,7 +87,7 @@ class KoebePolyhedron:
     def residuals(self) -> dict[str, float]:
         """Greatest defect of each defining condition, as lengths on a sphere of radius 1.
 
-        tangency : distance of the edges' lines from the centre, less 1
+        tangency : distance of the edges' lines from the center, less 1
         planarity : of the corners from the planes of their faces
         packing : distance of circles of neighbouring faces at their contact point
         interior : how far a contact point is beyond the ends of its edge; negative: none is
@@ -165,7 +165,7 @@ class KoebePolyhedron:
 def koebe(
     faces: Mesh | Sequence[Sequence[int]] | Sequence[Ints], *, infinity: int | None = None
 ) -> KoebePolyhedron:
-    """The Koebe polyhedron of a combinatorial polyhedron, centred on its contact points.
+    """The Koebe polyhedron of a combinatorial polyhedron, centered on its contact points.
 
     It exists for every 3-connected planar graph and is unique up to rotations and reflections
     when the contact points have mean zero (the mean of its vertices is another point in general).

@@ -114,7 +114,7 @@ def triangle_cells(solid: str, cells: int) -> Mesh:
 def dual_solid(mesh: Mesh) -> Mesh:
     """The dual of a closed mesh: a vertex for each face, a face for each vertex."""
     lists = [mesh.star(v)[1] for v in range(mesh.n_vertices)]
-    return Mesh.build(mesh.face_centres, lists)
+    return Mesh.build(mesh.face_centers, lists)
 
 
 def goldberg(cells: int) -> Mesh:

@@ -166,7 +166,7 @@ def schwarz_p_cell(cells: int) -> PeriodicCell:
 
     The pieces are the sheets of the branched double cover of the cube, a surface of genus 3; its
     periods are the sides of a cube. The cell has its tubes round the points half a period along
-    each axis from the centre of a chamber, which is the origin.
+    each axis from the center of a chamber, which is the origin.
 
     Raises
     ------
@@ -220,7 +220,7 @@ def schwarz_p_cell(cells: int) -> PeriodicCell:
 def _patch(
     solid: KoebePolyhedron, cover: DoubleCover, faces: NDArray[np.bool_]
 ) -> tuple[MinimalNet, dict[int, Floats]]:
-    """Piece of the dual over some faces of the cover, centred; its vertices by their id there."""
+    """Piece of the dual over some faces of the cover, centered; its vertices by their id there."""
     part = piece(cover.mesh, faces)
     gauss = SIsothermic(part.mesh, solid.radii[cover.vertices[part.vertices]])
     net = minimal_surface(gauss)

@@ -39,7 +39,7 @@ def write_step_circles(path: str | Path, curves: Mapping[str, Circles | Spheres]
     for given in curves.values():
         circles = given if isinstance(given, Circles) else given.great_circles()
         for center, normal, radius in zip(
-            circles.centres.tolist(), circles.normals.tolist(), circles.radii.tolist(), strict=True
+            circles.centers.tolist(), circles.normals.tolist(), circles.radii.tolist(), strict=True
         ):
             axes = gp_Ax2(gp_Pnt(*center), gp_Dir(*normal))
             builder.Add(whole, BRepBuilderAPI_MakeEdge(gp_Circ(axes, radius)).Edge())

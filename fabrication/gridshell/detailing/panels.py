@@ -52,13 +52,13 @@ def face_planes(mesh: Mesh) -> Planes:
     for size in np.unique(mesh.face_sizes).tolist():
         faces = np.flatnonzero(mesh.face_sizes == size)
         corners = mesh.corners[mesh.face_start[faces, None] + np.arange(size)]
-        points = mesh.vertices[corners] - mesh.face_centres[faces, None]
+        points = mesh.vertices[corners] - mesh.face_centers[faces, None]
         z[faces] = np.linalg.svd(points, full_matrices=False)[2][:, -1]
     z *= np.where(np.einsum("fi,fi->f", z, mesh.face_normals) < 0, -1.0, 1.0)[:, None]
     first = mesh.face_start[:-1]
     side = mesh.vertices[mesh.corners[first + 1]] - mesh.vertices[mesh.corners[first]]
     x = unit(side - np.einsum("fi,fi->f", side, z)[:, None] * z)
-    return Planes(mesh.face_centres, x, np.cross(z, x), z)
+    return Planes(mesh.face_centers, x, np.cross(z, x), z)
 
 
 def outward_normals(mesh: Mesh, frames: EdgeFrames) -> Floats:
