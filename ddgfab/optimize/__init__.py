@@ -8,7 +8,7 @@ from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.families_goal import families
 from ddgfab.optimize.families_result import FamiliesResult
 from ddgfab.optimize.forecast import forecast_text
-from ddgfab.optimize.goal import NetGoal, Wishes
+from ddgfab.optimize.goal import Additions, NetGoal
 from ddgfab.optimize.goals import Goal, expected, optimize
 from ddgfab.optimize.limits import Limits
 from ddgfab.optimize.path import Path, PathOptions, follow, settle
@@ -19,6 +19,7 @@ from ddgfab.optimize.rim import Boundary
 from ddgfab.optimize.torsion_goal import TorsionFreeResult
 
 __all__ = [
+    "Additions",
     "Boundary",
     "Change",
     "FamiliesResult",
@@ -38,7 +39,6 @@ __all__ = [
     "Term",
     "TorsionFreeResult",
     "Trial",
-    "Wishes",
     "expected",
     "families",
     "folded_faces",

@@ -23,7 +23,7 @@ from ddgfab.optimize.terms.shape import closeness, edge_differences, fair_moveme
 Keep: TypeAlias = Literal["close", "balanced", "fair"]
 """What a design keeps rather: its surface, or the smoothness of its faces."""
 
-Wish: TypeAlias = VectorTerm | LinearTerm | Lengths | NearSurface | NearRim
+EnergyTerm: TypeAlias = VectorTerm | LinearTerm | Lengths | NearSurface | NearRim
 """A term of the energy."""
 
 KEEP: Final[dict[Keep, float]] = {"close": 0.2, "balanced": 0.33, "fair": 0.5}
@@ -103,7 +103,7 @@ def energy(
     surface: SmoothSurface | None = None,
     features: Ints | None = None,
     rim: Mesh | None = None,
-) -> tuple[Wish, ...]:
+) -> tuple[EnergyTerm, ...]:
     """Terms of the energy of a mesh whose mean edge is one.
 
     Parameters
@@ -115,7 +115,7 @@ def energy(
     """
     used = np.flatnonzero(mesh.valences > 0)
     outer = np.flatnonzero(mesh.boundary_vertex)
-    terms: list[Wish] = [
+    terms: list[EnergyTerm] = [
         NearSurface(
             surface=SmoothSurface(mesh) if surface is None else surface,
             vertices=used,

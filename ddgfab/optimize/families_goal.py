@@ -30,7 +30,7 @@ from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.energy import Keep, Weights
 from ddgfab.optimize.families_result import FamiliesResult
 from ddgfab.optimize.frame import Frame, element_ids
-from ddgfab.optimize.goal import NetGoal, Wishes, net_problem
+from ddgfab.optimize.goal import Additions, NetGoal, net_problem
 from ddgfab.optimize.path import PathOptions, settle
 from ddgfab.optimize.problem import VERTICES, Layout, Problem, Term, mean_edge
 from ddgfab.optimize.quality import folded_faces
@@ -60,7 +60,7 @@ class FamiliesOptions:
     steps: int = 3
     """Gauss-Newton steps in a round."""
     design: float = 1e-3
-    """Part of their weights that the wishes of the design (`ddgfab.optimize.energy`) have at first;
+    """Part of their weights that the terms of the design (`ddgfab.optimize.energy`) have at first;
     it sinks from round to round."""
     sharpest: float = 0.3
     """Pieces this part of the tolerance from their cluster's shape weigh half, in the end."""
@@ -174,12 +174,12 @@ def _fewest(
     counts = dict.fromkeys(max(1, round(part * groups)) for part in task.options.counts)
     for count in counts if groups > 1 else ():
 
-        def tell(number: int, step: Step, stage: str = f"{count} clusters") -> None:
+        def record(number: int, step: Step, stage: str = f"{count} clusters") -> None:
             history.append((stage, step))
             if progress is not None:
                 progress(stage, number, step)
 
-        found = _moved(task, count, tell)
+        found = _moved(task, count, record)
         if found is None:
             continue
         now = family_labels(found, task.of, task.tolerance)
@@ -227,8 +227,8 @@ class _Task:
     ) -> Problem:
         """The frame of all goals, with pieces near their shapes, which are unknown as well."""
 
-        def wishes(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Wishes:
-            return Wishes(
+        def additions(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Additions:
+            return Additions(
                 tuple(
                     near_shapes(group, found, layout.block(f"shapes {k}").start, away, width)
                     for k, (group, found, away) in enumerate(shapes)
@@ -242,7 +242,7 @@ class _Task:
             "Fu, Lai, He, Cohen-Or 2010",
             weights=weights,
             blocks=lambda mesh: {f"shapes {k}": s[1].shapes for k, s in enumerate(shapes)},
-            wishes=wishes,
+            additions=additions,
         )
         return net_problem(
             self.mesh,
@@ -261,7 +261,7 @@ class _Task:
         )
 
 
-def _moved(task: _Task, count: int, tell: Callable[[int, Step], None]) -> Mesh | None:
+def _moved(task: _Task, count: int, record: Callable[[int, Step], None]) -> Mesh | None:
     """The mesh moved towards some number of shapes; None where a limit is not kept."""
     mesh, options = task.mesh, task.options
     groups = pieces(mesh, task.of)
@@ -284,13 +284,13 @@ def _moved(task: _Task, count: int, tell: Callable[[int, Step], None]) -> Mesh |
         done = 1 - left / options.rounds
         if done > 1 / 2:  # until then all pieces count
             width = max(sharpest, width * (sharpest / width) ** (1 / max(left, 1)))
-        part = options.design * _LEAST_WISH ** min(1.0, 2 * done)
+        part = options.design * _LEAST_DESIGN ** min(1.0, 2 * done)
         shapes = list(zip(groups, clusters, away, strict=True))
         problem = task.problem(partial(_scaled, part=part), shapes, width)
         start = problem.start.copy()
         start[problem.layout.block(VERTICES)] = points.ravel()
         rough = PathOptions(tolerance=_ROUGH if left else _EXACT, steps_per_stage=options.steps)
-        points = problem.vertices(settle(problem.with_start(start), _STIFF, rough, tell).value)
+        points = problem.vertices(settle(problem.with_start(start), _STIFF, rough, record).value)
     found = mesh.with_vertices(points)
     movement = np.linalg.norm(points - mesh.vertices, axis=1)
     kept = movement.max() <= task.limit and task.residual(points.ravel()) <= _EXACT
@@ -305,8 +305,8 @@ def _scaled(weights: Weights, part: float) -> Weights:
     return Weights(**scaled)
 
 
-_LEAST_WISH = 1e-5
-"""Part of their weights that the wishes of the design keep to the end; less bias than rounding."""
+_LEAST_DESIGN = 1e-5
+"""Part of their weights that the terms of the design keep to the end; less bias than rounding."""
 
 _GLIDES = 1e3
 """Boundaries of more weight glide."""

@@ -25,7 +25,7 @@ EXACT: Final = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Wishes:
+class Additions:
     """What a goal adds to the energy: soft terms, soft terms that follow the mesh, barriers."""
 
     terms: tuple[Term, ...] = ()
@@ -33,8 +33,8 @@ class Wishes:
     barriers: tuple[Barrier, ...] = ()
 
 
-def _nothing(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Wishes:
-    return Wishes()
+def _nothing(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Additions:
+    return Additions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class NetGoal:
     weights : weights of the energy -> those of this goal
     still : vertices stay; only the other unknowns are found
     blocks : mesh -> (count, width) first values of unknowns besides the vertices, by name
-    wishes : mesh, layout, surface to stay near to (None: the mesh) -> what is added to the energy
+    additions : mesh, layout, surface to stay near to (None: the mesh) -> what the energy also has
     result : what is made of the fields of an `OptimizeResult` and those of `own`
     own : problem, unknowns found -> further fields of the result
     easier : an option, name and value, that asks less; None: there is none
@@ -69,7 +69,7 @@ class NetGoal:
     weights: Callable[[Weights], Weights] = lambda weights: weights
     still: bool = False
     blocks: Callable[[Mesh], Mapping[str, Floats]] = lambda mesh: {}
-    wishes: Callable[[Mesh, Layout, Mesh | None], Wishes] = _nothing
+    additions: Callable[[Mesh, Layout, Mesh | None], Additions] = _nothing
     result: Callable[..., OptimizeResult] = OptimizeResult
     own: Callable[[Problem, Floats], Mapping[str, Any]] = lambda problem, x: {}
     easier: tuple[str, object] | None = None
@@ -125,13 +125,13 @@ def net_problem(
     kept = energy(mesh, weights, smooth, features, rim)
     following: list[Following] = [t for t in kept if isinstance(t, NearSurface | NearRim)]
     soft: list[Term] = [t for t in kept if not isinstance(t, NearSurface | NearRim)]
-    wishes = goal.wishes(mesh, problem.layout, surface)
-    bounds = [*barriers(mesh), *wishes.barriers]
+    additions = goal.additions(mesh, problem.layout, surface)
+    bounds = [*barriers(mesh), *additions.barriers]
     if movement is not None:
         bounds.append(movement_within(mesh, problem.layout, movement))
-    terms = (*soft, *extra, *wishes.terms, *goal.equations(mesh, problem.layout))
+    terms = (*soft, *extra, *additions.terms, *goal.equations(mesh, problem.layout))
     return replace(
         problem.with_terms(*terms),
-        following=(*following, *wishes.following),
+        following=(*following, *additions.following),
         barriers=tuple(bounds),
     )

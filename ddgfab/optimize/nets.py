@@ -18,7 +18,7 @@ from ddgfab.optimize.frame import Frame, element_ids
 from ddgfab.optimize.goal import EXACT, NetGoal, net_problem, planarity_of, violation
 from ddgfab.optimize.limits import Limits, ids
 from ddgfab.optimize.nested import LEAST_FACES, NESTED, begun, nested_start, usable
-from ddgfab.optimize.panes import pane_wish
+from ddgfab.optimize.panes import pane_lengths
 from ddgfab.optimize.path import PathOptions, Waypoint, follow
 from ddgfab.optimize.problem import VERTICES, Problem, Term
 from ddgfab.optimize.result import Forecast, OptimizeResult, Price, Step
@@ -119,20 +119,20 @@ def reach(
     history: list[tuple[str, Step]] = []
     stage = goal.label or goal.name
 
-    def tell(number: int, step: Step) -> None:
+    def record(number: int, step: Step) -> None:
         history.append((stage, step))
         if progress is not None:
             progress(stage, number, step)
 
     way = options or PathOptions()
     if options is None and task.nests(problem):
-        begin = nested_start(small, task.coarse_problem, task.tolerance, tell)
+        begin = nested_start(small, task.coarse_problem, task.tolerance, record)
         if begin is not None:
             there = begun(problem, begin - small.vertices)
             if usable(there, before):
                 problem, way = there, NESTED
     chosen = replace(way, tolerance=max(_AIM * task.tolerance, EXACT))
-    path = follow(problem, partial(violation, problem), chosen, tell)
+    path = follow(problem, partial(violation, problem), chosen, record)
     found = frame.outside(small.vertices, problem.vertices(path.value))
     result = replace(
         task.result(problem, path.value, found, surface),
@@ -179,7 +179,7 @@ class _Task:
             surface=self.surface,
             features=self.features,
             rim=self.rim,
-            extra=_wishes(self.mesh, self.frame, self.limits),
+            extra=_soft_limits(self.mesh, self.frame, self.limits),
             movement=None if limit is None else limit / self.frame.unit,
         )
 
@@ -223,11 +223,11 @@ class _Task:
         )
 
 
-def _wishes(mesh: Mesh, frame: Frame, limits: Limits) -> tuple[Term, ...]:
-    """Wishes of limits: panes no larger than what is made."""
+def _soft_limits(mesh: Mesh, frame: Frame, limits: Limits) -> tuple[Term, ...]:
+    """Soft terms of limits: panes no larger than what is made."""
     if limits.pane is None:
         return ()
-    return (pane_wish(mesh, (limits.pane[0] / frame.unit, limits.pane[1] / frame.unit)),)
+    return (pane_lengths(mesh, (limits.pane[0] / frame.unit, limits.pane[1] / frame.unit)),)
 
 
 def _tolerance(goal: NetGoal, flat_percent: float | None) -> float:

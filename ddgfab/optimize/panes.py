@@ -36,7 +36,7 @@ _WEIGHT: Final = 3.0
 
 
 @checked
-def pane_wish(mesh: Mesh, limit: tuple[float, float], *, weight: float = _WEIGHT) -> Lengths:
+def pane_lengths(mesh: Mesh, limit: tuple[float, float], *, weight: float = _WEIGHT) -> Lengths:
     """Edges of quads no longer than a pane that lies as the quad does; other faces by diameter."""
     low, high = pane_limit(limit)
     most = np.full(mesh.n_edges, np.inf)
@@ -239,7 +239,7 @@ def with_panes(
 
     Parameters
     ----------
-    run : optimizes a mesh, with the wish and the limit of panes
+    run : optimizes a mesh, with the soft term and the limit of panes
 
     Raises
     ------

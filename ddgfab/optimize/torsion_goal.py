@@ -20,7 +20,7 @@ from ddgfab.errors import DegenerateError, InputError, SupportError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.optimize.energy import Weights
-from ddgfab.optimize.goal import EXACT, NetGoal, Wishes
+from ddgfab.optimize.goal import EXACT, Additions, NetGoal
 from ddgfab.optimize.problem import Layout, Problem, Term
 from ddgfab.optimize.result import WORST, OptimizeResult
 from ddgfab.optimize.terms import planarity_terms
@@ -125,7 +125,7 @@ def _with_limit(lean: float, *, axes_only: bool = False) -> NetGoal:
         label=f"lean up to {np.degrees(lean):.3g} deg",
         check=_refuse,
         blocks=partial(_first_axes, max_lean=lean),
-        wishes=partial(_wishes, max_lean=lean),
+        additions=partial(_additions, max_lean=lean),
         weights=_smoother,
         still=axes_only,
         result=TorsionFreeResult,
@@ -147,8 +147,8 @@ def _planar_and_torsion(mesh: Mesh, layout: Layout) -> tuple[Term, ...]:
     return (*planarity_terms(mesh), *_torsion(mesh, layout))
 
 
-def _wishes(mesh: Mesh, layout: Layout, surface: Mesh | None, max_lean: float) -> Wishes:
-    return Wishes(
+def _additions(mesh: Mesh, layout: Layout, surface: Mesh | None, max_lean: float) -> Additions:
+    return Additions(
         (AxisLean(mesh=mesh, layout=layout, weight=_UPRIGHT),),
         (covered(mesh, surface, weight=_COVER),),
         (lean_within(mesh, layout, max_lean),),

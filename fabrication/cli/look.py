@@ -96,7 +96,7 @@ def inspect_command(
         name = shlex.join([str(mesh), *reading.arguments()])
         rows = [] if curved is None else curved.lines()
         rows += [] if advice is None else advice.lines(name)
-        text = [report.text(), *(f"{title:<22}{said}" for title, said in rows)]
+        text = [report.text(), *(f"{title:<22}{value}" for title, value in rows)]
         run.result("\n".join(filter(None, [*text, foreseen_text(read.mesh)])))
         if given is not None:
             run.say(

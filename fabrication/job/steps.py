@@ -53,12 +53,12 @@ class Steps:
         shop: Shop,
         target: Path,
         pool: Workers,
-        tell: Progress,
+        progress: Progress,
     ) -> None:
         self.product, self.shop, self.target = product, shop, target
         self.formats = [format for format in formats if format.writes_whole()]
         self.libraries = [name for format in formats for name in format.libraries]
-        self.pool, self.tell = pool, tell
+        self.pool, self.progress = pool, progress
         self.seconds: dict[str, float] = dict(product.seconds)
         self.warnings: list[str] = []
         self.unwritten: set[str] = set()
@@ -77,7 +77,7 @@ class Steps:
         tasks = _batches(self._sample())
         reading = self._read_back(tasks, 0, len(tasks) // 3)
         with self._timed("clearances"):
-            self.tell("clearances", 0, 0)
+            self.progress("clearances", 0, 0)
             meshes = {number: part.mesh for number, part in self.parts.items()}
             self.of_mark = self.product.clearances(meshes)
         failed = self._failed()
@@ -107,19 +107,19 @@ class Steps:
         orders = [(family, self.product.material(family.role)) for family in families]
         for _, path in self.shop.files("any"):
             path.parent.mkdir(parents=True, exist_ok=True)
-        self.tell("parts", 0, len(orders))
+        self.progress("parts", 0, len(orders))
         futures, begun = [], 0
         for batch in _batches(orders):
             futures.append(self.pool.submit(make_parts, batch, self.shop))
             begun += len(batch)
             if self.pool.at_once:
-                self.tell("parts", begun, len(orders))
+                self.progress("parts", begun, len(orders))
         for batch, future in zip(_batches(orders), futures, strict=True):
             for one in self._made(batch, future):
                 self.parts[one.part.number] = one.part
                 self.of_number[one.part.number] = list(one.checks)
                 self._add(one.seconds)
-            self.tell("parts", len(self.parts), len(orders))
+            self.progress("parts", len(self.parts), len(orders))
 
     def _made(
         self, batch: Sequence[tuple[Family, Material]], future: Future[list[Made]]
@@ -146,7 +146,7 @@ class Steps:
         reading = {}
         for done, task in enumerate(tasks[first:last], first):
             if self.pool.at_once:
-                self.tell("read back", done, len(tasks))
+                self.progress("read back", done, len(tasks))
             reading[self.pool.submit(read_back, task, self.shop)] = task
         return reading
 
@@ -161,7 +161,7 @@ class Steps:
                         self._take(self.pool.submit(read_back, [part], self.shop).result())
                     except WorkerLostError as lost:
                         self.of_number[part.number].append(Check("file readable", False, lost.why))
-            self.tell("read back", done, len(reading))
+            self.progress("read back", done, len(reading))
 
     def _take(self, result: tuple[dict[str, list[Check]], float]) -> None:
         """Checks of part files read back."""
@@ -221,7 +221,7 @@ class Steps:
         """Start writing the files of the whole, but for reports, and the preview; by name."""
         verify = self.product.verify != "none"
         if self.pool.at_once:
-            self.tell("files of the whole", 0, 0)
+            self.progress("files of the whole", 0, 0)
         return {
             **{
                 format.name: self.pool.submit(write_whole, format, self.shop.folder, whole, verify)
@@ -236,7 +236,7 @@ class Steps:
         checks: list[Check] = []
         warnings: list[str] = []
         for done, (name, future) in enumerate(writing.items()):
-            self.tell("files of the whole", done, len(writing))
+            self.progress("files of the whole", done, len(writing))
             try:
                 missed, found, seconds = future.result()
             except WorkerLostError as lost:
@@ -247,7 +247,7 @@ class Steps:
             self.unwritten |= {name} if missed else set()
             checks += found
             self._add(seconds)
-        self.tell("files of the whole", len(writing), len(writing))
+        self.progress("files of the whole", len(writing), len(writing))
         return checks, warnings
 
     # --- the end -----------------------------------------------------------------------------
@@ -259,15 +259,15 @@ class Steps:
         lines = [str(problem) for problem in problems] + lines_of(extra)
         for format in self.formats:
             if format.report:
-                told = replace(whole, problems=tuple(lines))
+                complete = replace(whole, problems=tuple(lines))
                 verify = self.product.verify != "none"
-                missed, found, seconds = write_whole(format, self.shop.folder, told, verify)
+                missed, found, seconds = write_whole(format, self.shop.folder, complete, verify)
                 self.warnings += missed
                 self.unwritten |= {format.name} if missed else set()
                 self._add(seconds)
                 extra += found
                 lines += lines_of(found)
-        self.tell("manifest", 0, 0)
+        self.progress("manifest", 0, 0)
         manifest = self._manifest(whole.failed, checks, extra, problems)
         sources = self.product.sources.record(self.target)
         write_run(self.shop.folder / RUN, sources, self.seconds)

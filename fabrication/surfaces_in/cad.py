@@ -109,8 +109,8 @@ def _step_faces(path: Path) -> list[CadFace]:
             for i in range(1, parts.Length() + 1)
         ]
         for face in _faces_of(shape):
-            said = tuple(name for part, name in named if name and part.IsSame(face))
-            found.append(CadFace(face.Moved(place), (*said, *names)))
+            of_face = tuple(name for part, name in named if name and part.IsSame(face))
+            found.append(CadFace(face.Moved(place), (*of_face, *names)))
 
     for label in free_labels(document):
         walk(label, TopLoc_Location(), ())

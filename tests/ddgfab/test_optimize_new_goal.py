@@ -12,7 +12,7 @@ from optimize_meshes import dome
 from ddgfab.errors import InputError, OptimizeError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.optimize import NetGoal, OptimizeResult, Term, Wishes, goals, mean_edge, optimize
+from ddgfab.optimize import Additions, NetGoal, OptimizeResult, Term, goals, mean_edge, optimize
 from ddgfab.optimize.problem import VERTICES, Layout
 from ddgfab.optimize.report import comparison
 from ddgfab.optimize.terms import LocalTerm, planarity_terms
@@ -105,19 +105,19 @@ def test_a_line_in_the_table_gives_it_a_name(monkeypatch: pytest.MonkeyPatch) ->
         optimize(sheared(), "equal diagonals", distance_limit=(1e-6, 1e-6))  # type: ignore[arg-type]
 
 
-def test_wishes_of_a_goal_are_in_the_energy() -> None:
-    """Faces planar and, as a wish alone, diagonals equal: nearer to equal than without."""
+def test_additions_of_a_goal_are_in_the_energy() -> None:
+    """Faces planar and, as a soft term alone, diagonals equal: nearer to equal than without."""
 
-    def wish(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Wishes:
+    def softly(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Additions:
         (term,) = equal_diagonals(mesh, layout)
         assert isinstance(term, DiagonalDifferences)
-        soft: Any = DiagonalDifferences(name="wish", index=term.index, weight=10.0)
-        return Wishes((soft,))
+        soft: Any = DiagonalDifferences(name="soft", index=term.index, weight=10.0)
+        return Additions((soft,))
 
-    plain, wished = (
+    plain, softened = (
         NetGoal("planar", lambda m, _: planarity_terms(m), 0.0, "", blocks=sizes, **more)
-        for more in ({}, {"wishes": wish})
+        for more in ({}, {"additions": softly})
     )
-    found = [optimize(sheared(), goal, **SMALL).mesh for goal in (plain, wished)]
+    found = [optimize(sheared(), goal, **SMALL).mesh for goal in (plain, softened)]
     uneven = [np.ptp(diagonals(mesh), axis=1).mean() for mesh in found]
     assert uneven[1] < 0.5 * uneven[0]

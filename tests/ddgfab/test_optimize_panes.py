@@ -12,7 +12,7 @@ from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import Limits, OptimizeResult, optimize
 from ddgfab.optimize.pane_size import misfit, pane_sizes
-from ddgfab.optimize.panes import divided, further, pane_wish, parts_for_panes, strips
+from ddgfab.optimize.panes import divided, further, pane_lengths, parts_for_panes, strips
 
 PANE = (0.6, 1.0)
 
@@ -81,13 +81,13 @@ def test_panes_fit_after_optimizing() -> None:
     assert not len(result.change.folded)
 
 
-def test_the_wish_keeps_edges_short() -> None:
+def test_the_soft_term_keeps_edges_short() -> None:
     mesh = dome(8)
     longest = 1.05 * mesh.edge_lengths.max()
-    wish = pane_wish(mesh, (longest, longest))
-    assert (wish.residual(mesh.vertices.ravel()) >= 0).all()
+    soft = pane_lengths(mesh, (longest, longest))
+    assert (soft.residual(mesh.vertices.ravel()) >= 0).all()
     small = 0.7 * longest
-    pulled = pane_wish(mesh, (small, small))
+    pulled = pane_lengths(mesh, (small, small))
     assert pulled.residual(mesh.vertices.ravel()).max() > 0
 
 

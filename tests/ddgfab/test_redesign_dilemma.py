@@ -137,7 +137,7 @@ def test_anisotropy_is_kept(keep: float) -> None:
     assert dilemma(lattice(np.radians(20))).keep is None
 
 
-def test_planar_wish_moves_less_and_stays_skew() -> None:
+def test_planar_goal_moves_less_and_stays_skew() -> None:
     mesh = lattice(np.radians(30))
     planar, principal = dilemma(mesh, "planar"), dilemma(mesh, nearest=True)
     assert planarity_percent(planar.mesh).max() < 1e-7

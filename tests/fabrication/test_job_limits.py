@@ -81,11 +81,11 @@ def test_what_helps_is_by_the_fault(small_design: Design) -> None:
 
 def test_a_design_with_what_helps_goes_on() -> None:
     check_limits(design(bent(), optimize={"goal": "planar"}).product())
-    wished = {"max_size_mm": [1200.0, 1000.0]}
-    helps = stopped(design(barrel(), panel=wished)).settings
+    limit = {"max_size_mm": [1200.0, 1000.0]}
+    helps = stopped(design(barrel(), panel=limit)).settings
     assert helps == (("optimize", "goal", "planar"), ("optimize", "max_pane_mm", [1000.0, 1200.0]))
     optimize = {key: value for _, key, value in helps}
-    divided = design(barrel(), panel=wished, optimize=optimize)
+    divided = design(barrel(), panel=limit, optimize=optimize)
     assert len(divided.gridshell.panels) > len(design(barrel()).gridshell.panels)
     check_limits(divided.product())
 

@@ -89,10 +89,10 @@ def check_mates(content: StepContent, mates: Sequence[Mate]) -> list[Check]:
             for two in axes[k + 1 :]:
                 worst = max(worst, float(np.linalg.norm(one - two, axis=1).max()))
     wanted = float(sum(len(mate.holes) for mate in mates))
-    told = ", ".join(missing[:3]) or float(holes)
+    shown = ", ".join(missing[:3]) or float(holes)
     value = worst if math.isfinite(worst) else None
     return [
-        Check("assembly holes", not missing, told, wanted),
+        Check("assembly holes", not missing, shown, wanted),
         Check("assembly coaxial_mm", worst <= COAXIAL_MM, value, COAXIAL_MM),
     ]
 

@@ -62,14 +62,14 @@ class Stud(Connection):
 
     plate : thickness of the plate [mm]
     clearance : from the seat to the plate [mm]
-    wish : length of thread in engagement [mm] that the project asks for; None: the usual one
+    thread : length of thread in engagement [mm] that the project asks for; None: the usual one
     """
 
     size: Fastener
     fastener: str
     plate: float
     clearance: float
-    wish: float | None = None
+    thread: float | None = None
 
     keys: ClassVar[tuple[str, ...]] = ("fastener", "thread_mm")
 
@@ -80,14 +80,14 @@ class Stud(Connection):
         plate = settings.plate_mm
         if plate == "auto":
             plate = _usual_plate(size)
-        wish = None if settings.thread_mm == "auto" else settings.thread_mm
-        return cls(size, settings.fastener, plate, project.beam.clearance_mm, wish)
+        thread = None if settings.thread_mm == "auto" else settings.thread_mm
+        return cls(size, settings.fastener, plate, project.beam.clearance_mm, thread)
 
     @property
     def drilling(self) -> Drilling:
         """Tapped holes, a run-out deeper than their thread."""
-        usual = self.size.usual_thread if self.wish is None else self.wish
-        least = self.size.least_thread if self.wish is None else self.wish
+        usual = self.size.usual_thread if self.thread is None else self.thread
+        least = self.size.least_thread if self.thread is None else self.thread
         runout = self.size.runout
         return Drilling(self.size.size, self.size.drill, least + runout, usual + runout, least)
 
