@@ -135,6 +135,50 @@ def together(**arrays: ArrayLike) -> list[NDArray[np.float64]]:
         raise ArgumentError(f"shapes do not go together: {shapes}") from None
 
 
+def finite_together(**arrays: ArrayLike) -> list[NDArray[np.float64]]:
+    """`together` for finite numbers.
+
+    Raises
+    ------
+    ArgumentError
+        Shapes that do not go together, or an entry that is not finite; names the argument.
+    """
+    for name, value in arrays.items():
+        _refuse_endless(np.asarray(value, dtype=np.float64), name)
+    return together(**arrays)
+
+
+def complex_together(**arrays: ArrayLike) -> list[NDArray[Any]]:
+    """`finite_together` that keeps complex numbers."""
+    for name, value in arrays.items():
+        _refuse_endless(np.asarray(value), name)
+    together(**{name: np.zeros(np.shape(value)) for name, value in arrays.items()})
+    return list(np.broadcast_arrays(*(np.asarray(value) * 1.0 for value in arrays.values())))
+
+
+def _refuse_endless(array: NDArray[Any], name: str) -> None:
+    if not np.isfinite(array).all():
+        index = tuple(np.argwhere(~np.isfinite(array))[0].tolist())
+        entry = "".join(f"[{i}]" for i in index)
+        raise ArgumentError(f"{name}{entry} is {array[index]:g}; a finite number is needed")
+
+
+def vectors(**arrays: ArrayLike) -> list[NDArray[np.float64]]:
+    """Arrays (..., 3) of finite floats, of one shape, from points or vectors that go together.
+
+    Raises
+    ------
+    ArgumentError
+        Other than three coordinates, shapes that do not go together, or an entry that is not
+        finite; names the argument.
+    """
+    for name, value in arrays.items():
+        shape = np.shape(value)
+        if shape[-1:] != (3,):
+            raise ArgumentError(f"{name} has shape {shape}; (..., 3) is needed")
+    return finite_together(**arrays)
+
+
 def of_shape(value: ArrayLike, shape: tuple[int | None, ...], name: str) -> NDArray[np.float64]:
     """An array of floats of a shape, in which None stands for any length, `...` not at all.
 

@@ -40,6 +40,8 @@ def shift(values: ArrayLike, axis: int, step: int = 1, *, periodic: bool = False
 
     Source: mathematics.md 1.1.
     """
+    if not np.isfinite(step):
+        raise InputError(f"step is {step:g}; a finite number is needed")
     array, axis, step = _along(values, axis), int(axis), int(step)
     if periodic:
         return np.roll(array, -step, axis=axis)

@@ -7,7 +7,7 @@ than on rows of three numbers, and every kernel serves a single quad, a wavefron
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,6 +39,10 @@ def cross(a: Floats, b: Floats) -> Floats:
     return np.stack(
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     )
+
+
+MOST_COUNTED: Final = 1e9
+"""Counts at and above this are refused: no net holds so many."""
 
 
 class Place(NamedTuple):
@@ -111,8 +115,11 @@ def finite(values: Floats, what: str) -> None:
 
 def whole(value: float, least: int, what: str) -> int:
     """A whole number of `least` or more; raises `InputError` for others."""
-    if not (np.isfinite(value) and int(value) == value and value >= least):
-        raise InputError(f"{what} = {value}: a whole number of {least} or more is needed")
+    if not (least <= value < MOST_COUNTED and int(value) == value):
+        shown = value if abs(value) < MOST_COUNTED else f"{float(value):g}"
+        raise InputError(
+            f"{what} = {shown}: a whole number of {least} or more is needed, below {MOST_COUNTED:g}"
+        )
     return int(value)
 
 
@@ -134,6 +141,8 @@ def columns(*points: ArrayLike) -> tuple[Floats, ...]:
         raise InputError(f"points of shapes {shapes} do not go together; (..., dim) is needed")
     for array in arrays:
         finite(array, "point")
+    if not arrays[0].shape[-1]:
+        raise InputError("points have no coordinates; (..., dim) is needed")
     return tuple(np.moveaxis(array, -1, 0) for array in arrays)
 
 

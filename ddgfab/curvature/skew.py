@@ -113,7 +113,8 @@ def _angles(delta: ArrayLike, direction: int) -> Floats:
     given = np.atleast_1d(np.asarray(delta, dtype=np.float64))
     bad = np.flatnonzero(~((given > 0) & (given < 0.5 * np.pi)))
     if given.ndim != 1 or len(bad):
-        what = f"delta {bad[0]} = {given[bad[0]]:g} rad" if len(bad) else f"shape {given.shape}"
+        row = given.ndim == 1
+        what = f"delta {bad[0]} = {given[bad[0]]:g} rad" if row else f"shape {given.shape}"
         raise InputError(
             f"direction {direction}: {what}; angles between 0 and pi/2 in one row are needed"
         )

@@ -19,6 +19,7 @@ from ddgfab.forms.monge_surface import profile_polyline
 from ddgfab.forms.placing import checked_forward, grounded
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.quads import finite
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
@@ -36,7 +37,7 @@ def canal_circles(centers: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats,
     Raises
     ------
     InputError
-        Fewer than two spheres, or shapes that do not match.
+        Fewer than two spheres, shapes that do not match, or numbers that are not finite.
     DegenerateError
         Neighbouring spheres that do not cross; names both, their distance and its limits.
 
@@ -45,6 +46,8 @@ def canal_circles(centers: ArrayLike, radii: ArrayLike) -> tuple[Floats, Floats,
     m, r = np.asarray(centers, dtype=np.float64), np.asarray(radii, dtype=np.float64)
     if m.ndim != 2 or m.shape[1] != 3 or len(m) < 2 or r.shape != m.shape[:1]:
         raise InputError(f"centers {m.shape} and radii {r.shape}: (K, 3) and (K,), K > 1, needed")
+    finite(m, "centers")
+    finite(r, "radii")
     step = np.diff(m, axis=0)
     distance = np.linalg.norm(step, axis=1)
     low, high = np.abs(np.diff(r)), r[1:] + r[:-1]

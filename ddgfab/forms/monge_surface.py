@@ -14,12 +14,13 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
-from ddgfab.errors import DegenerateError
+from ddgfab.arguments import checked, of_shape
+from ddgfab.errors import DegenerateError, InputError
 from ddgfab.forms.generators import About, generator
 from ddgfab.forms.placing import arc_angles, checked_forward, grounded
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh, unit
+from ddgfab.quads import finite
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
@@ -34,8 +35,16 @@ def profile_polyline(angles: ArrayLike, steps: ArrayLike) -> Floats:
     ----------
     angles : (N + 1,) [rad] of the tangents at the vertices
     steps : (N,) lengths of the edges
+
+    Raises
+    ------
+    InputError
+        Shapes that do not fit, numbers that are not finite; names the argument.
     """
-    phi, length = np.asarray(angles, dtype=np.float64), np.asarray(steps, dtype=np.float64)
+    phi = _finite(angles, (None,), "angles")
+    length = _finite(steps, (max(len(phi) - 1, 0),), "steps")
+    if not len(phi):
+        raise InputError("angles has shape (0,); one angle at each vertex is needed")
     middle = 0.5 * (phi[1:] + phi[:-1])
     edges = length[:, None] * np.stack([np.cos(middle), np.sin(middle)], axis=1)
     return np.concatenate([np.zeros((1, 2)), np.cumsum(edges, axis=0)])
@@ -57,17 +66,27 @@ def monge(profile: ArrayLike, tangents: ArrayLike, steps: ArrayLike, up: ArrayLi
 
     Raises
     ------
+    InputError
+        Shapes that do not fit, numbers that are not finite; names the argument.
     DegenerateError
-        `up` along the first tangent, or opposite tangents in a row; names the step.
+        A tangent of no length, `up` along the first tangent, or opposite tangents in a row;
+        names the step.
     """
-    shape = np.asarray(profile, dtype=np.float64)
-    along = unit(np.asarray(tangents, dtype=np.float64))
-    length = np.asarray(steps, dtype=np.float64)
+    shape = _finite(profile, (None, 2), "profile")
+    along = _finite(tangents, (None, 3), "tangents")
+    length = _finite(steps, (max(len(along) - 1, 0),), "steps")
+    upward = _finite(up, (3,), "up")
+    if not len(along):
+        raise InputError("tangents has shape (0, 3); a tangent at each spine point is needed")
+    still = np.flatnonzero(np.linalg.norm(along, axis=1) == 0)
+    if len(still):
+        raise DegenerateError(f"tangent {still[0]} of the spine has no length")
+    along = unit(along)
     ways = along[1:] + along[:-1]
     bad = np.flatnonzero(np.linalg.norm(ways, axis=1) <= RELATIVE_DEGENERATE)
     if len(bad):
         raise DegenerateError(f"spine step {bad[0]} turns back: its two tangents are opposite")
-    left = np.cross(np.asarray(up, dtype=np.float64), along[0])
+    left = np.cross(upward, along[0])
     if np.linalg.norm(left) <= RELATIVE_DEGENERATE:
         raise DegenerateError("the upward direction runs along the spine at its start")
     left = unit(left)
@@ -118,6 +137,13 @@ def monge_roof(
     )
     net = monge(profile, tangents, steps, level_start(tangents, steps))
     return grid_mesh(grounded(checked_forward(net)))
+
+
+def _finite(value: ArrayLike, shape: tuple[int | None, ...], name: str) -> Floats:
+    """An array of a shape; entries beyond all lengths are refused as those that are not finite."""
+    array = of_shape(value, shape, name)
+    finite(array, name)
+    return array
 
 
 def level_start(tangents: Floats, steps: Floats) -> Floats:

@@ -7,12 +7,13 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.forms.generators import About, generator
 from ddgfab.forms.monge_surface import monge, profile_polyline
 from ddgfab.forms.placing import checked_forward, grounded
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh
+from ddgfab.quads import finite
 
 
 @checked
@@ -30,12 +31,15 @@ def moulding_net(profile: ArrayLike, directions: ArrayLike, steps: ArrayLike) ->
 
     Raises
     ------
+    InputError
+        Shapes that do not fit, numbers that are not finite; names the argument.
     DegenerateError
         Opposite directions in a row; names the step.
 
     Source: `monge` with a horizontal spine; mathematics.md 2.7.
     """
-    angle = np.asarray(directions, dtype=np.float64)
+    angle = of_shape(directions, (None,), "directions")
+    finite(angle, "directions")
     tangents = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
     return monge(profile, tangents, steps, (0.0, 0.0, 1.0))
 

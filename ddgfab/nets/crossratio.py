@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ddgfab.arguments import Complexes, checked, together
+from ddgfab.arguments import Complexes, checked, complex_together
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.quads import Place, columns, cross, dot, measure, norm
+from ddgfab.quads import Place, columns, cross, dot, finite, measure, norm
 
 
 @checked
@@ -22,14 +22,16 @@ def complex_cross_ratio(
 
     Raises
     ------
+    InputError
+        Shapes that do not go together, numbers that are not finite; names the argument.
     DegenerateError
         b = c or d = a; names the index.
 
     Source: mathematics.md 2.2.
     """
-    given = [np.asarray(z, dtype=np.complex128) for z in (a, b, c, d)]
-    together(**{name: np.zeros(z.shape) for name, z in zip("abcd", given, strict=True)})
-    p, q, r, s = np.broadcast_arrays(*given)
+    p, q, r, s = (z.astype(np.complex128) for z in complex_together(a=a, b=b, c=c, d=d))
+    for name, z in zip("abcd", (p, q, r, s), strict=True):
+        finite(np.abs(z), name)
     below = (q - r) * (s - p)
     Place().refuse(below == 0, "neighbouring corners coincide")
     return np.asarray((p - q) * (r - s) / below)

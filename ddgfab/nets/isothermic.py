@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, together
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
 from ddgfab.nets.circular import circular_residuals
@@ -149,9 +149,13 @@ def isothermic_point(
     Source: mathematics.md 6.1.
     """
     start, first, second = columns(x, x1, x2)
-    a, b = np.asarray(alpha1, dtype=np.float64), np.asarray(alpha2, dtype=np.float64)
+    _, a, b = together(points=start[0], alpha1=alpha1, alpha2=alpha2)
     for name, label in (("alpha1", a), ("alpha2", b)):
         finite(label, name)
+    more = (None,) * (a.ndim - start[0].ndim)  # many labels for one corner make many quads
+    start, first, second = (
+        np.broadcast_to(p[(slice(None), *more)], (len(p), *a.shape)) for p in (start, first, second)
+    )
     return np.moveaxis(point_rule(start, first, second, a, b, Place()), 0, -1)
 
 
@@ -204,10 +208,14 @@ def evolve_isothermic(
 
     Source: mathematics.md 6.1, 11b.
     """
+    if not growth_limit > 0:
+        raise InputError(f"growth_limit is {growth_limit:g}; a positive number is needed")
     a, b = np.atleast_2d(*(np.asarray(p, dtype=np.float64) for p in (first, second)))
+    if not (len(a) and len(b)):
+        raise InputError(f"polylines have shapes {a.shape}, {b.shape}; two points at least each")
     labels = _cell_labels(alpha1, alpha2, (len(a) - 1, len(b) - 1))
     net = sweep(a, b, labels, point_rule)
-    if not np.isfinite(growth_limit):
+    if growth_limit == np.inf:
         return net
     size = extent(net)
     rng = np.random.default_rng(0)

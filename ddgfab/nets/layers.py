@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, of_shape
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
 from ddgfab.nets.asymptotic import star_flatness
@@ -20,7 +20,7 @@ from ddgfab.nets.conjugate import conjugate_residuals, planarity
 from ddgfab.nets.cubes import coordinate_surfaces, evolve_nd
 from ddgfab.nets.isothermic import cross_ratio_labels
 from ddgfab.nets.moutard import moutard_coefficients
-from ddgfab.quads import Place, finite, pairs
+from ddgfab.quads import Place, finite, net_points, pairs
 from ddgfab.tolerances import NET_INPUT
 
 Transform = Callable[[Floats], ArrayLike]
@@ -229,12 +229,16 @@ def common_transform(
 
     Raises
     ------
+    InputError
+        Shapes that do not fit, numbers that are not finite.
     DegenerateError
         A quad that is not planar, or layers that are no transforms of the net; as `evolve_nd`.
 
     Source: Bobenko, Suris, 2.1, 3.1; mathematics.md 1.9.
     """
-    x, a, b = (np.asarray(part, dtype=np.float64) for part in (net, first, second))
+    x = net_points(net)
+    a, b = of_shape(first, x.shape, "first"), of_shape(second, x.shape, "second")
+    corner = of_shape(corner, x.shape[-1:], "corner")
     origin = (0,) * (x.ndim - 1)
     given = np.stack([stack_transforms([x, b]), stack_transforms([a, a])], axis=-3)
     given[(*origin, 1, 1)] = corner

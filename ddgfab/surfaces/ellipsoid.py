@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked, together
-from ddgfab.errors import InputError
+from ddgfab.arguments import checked, together, vectors
+from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, unit
+from ddgfab.tolerances import COORDINATE_LIMIT
 
 
 @checked
@@ -44,8 +45,25 @@ def ellipsoid_patch(
 
 @checked
 def ellipsoid_normals(points: ArrayLike, a: float = 9.0, b: float = 4.0, c: float = 1.0) -> Floats:
-    """(..., 3) outward unit normals at points (..., 3) of the ellipsoid."""
-    return unit(np.asarray(points, dtype=np.float64) / [a, b, c])
+    """(..., 3) outward unit normals at points (..., 3) of the ellipsoid.
+
+    Raises
+    ------
+    InputError
+        Semi-axes out of order, points without three finite coordinates.
+    DegenerateError
+        A point in the center or so far away that its normal overflows; names it.
+    """
+    _refuse_axes(a, b, c)
+    (x,) = vectors(points=points)
+    with np.errstate(over="ignore"):
+        gradient = x / [a, b, c]
+        length = np.linalg.norm(gradient, axis=-1)
+    bad = ~((length > 0) & np.isfinite(length))
+    if bad.any():
+        at = tuple(np.argwhere(bad)[0].tolist())
+        raise DegenerateError(f"point {at} is {x[at]}: it has no normal")
+    return unit(gradient)
 
 
 @checked
@@ -74,11 +92,15 @@ def ellipsoid_umbilics(a: float = 9.0, b: float = 4.0, c: float = 1.0) -> Floats
 
 
 def _checked(u: ArrayLike, v: ArrayLike, a: float, b: float, c: float) -> tuple[Floats, Floats]:
-    if not (np.inf > a > b > c > 0):
-        raise InputError(f"squared semi-axes {a:g}, {b:g}, {c:g}: a > b > c > 0 is needed")
+    _refuse_axes(a, b, c)
     p, q = together(u=u, v=v)
     for name, values, low, high in (("u", p, b, a), ("v", q, c, b)):
         bad = ~((values >= low) & (values <= high))
         if bad.any():
             raise InputError(f"{name} = {values[bad].flat[0]:g} lies outside {low:g}..{high:g}")
     return p, q
+
+
+def _refuse_axes(a: float, b: float, c: float) -> None:
+    if not (COORDINATE_LIMIT > a > b > c > 0):
+        raise InputError(f"squared semi-axes {a:g}, {b:g}, {c:g}: a > b > c > 0 is needed")

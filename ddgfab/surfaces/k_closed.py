@@ -13,27 +13,43 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ddgfab.arguments import Complexes, checked
+from ddgfab.arguments import Complexes, checked, complex_together
 from ddgfab.errors import InputError
+from ddgfab.quads import finite
 
 Array: TypeAlias = NDArray[Any]  # float64, or complex128 where a parameter is complex
 
 QUADRATURE: Final = 60
 """Nodes of the quadrature of heights; exact to rounding but for the last percent below the rim."""
 
+FARTHEST: Final = 300.0
+"""Greatest |rate u| of the closed breather, whose hyperbolic functions are squared."""
+
 
 @checked
 def pseudosphere_lines(u: Complexes, v: Complexes) -> Array:
     """(..., 3) points (sech u cos v, sech u sin v, u - tanh u); the cuspidal edge is u = 0."""
-    p, q = np.broadcast_arrays(u, v)
-    sech = 1.0 / np.cosh(p)
+    p, q = complex_together(u=u, v=v)
+    with np.errstate(over="ignore"):
+        sech = 1.0 / np.cosh(p)
     return np.stack([sech * np.cos(q), sech * np.sin(q), p - np.tanh(p)], axis=-1)
 
 
 @checked
 def kuen_lines(u: Complexes, v: Complexes) -> Array:
-    """(..., 3) points of Kuen's surface, 0 < v < pi; cuspidal edges where u sin v = +-1."""
-    p, q = np.broadcast_arrays(u, v)
+    """(..., 3) points of Kuen's surface, 0 < v < pi; cuspidal edges where u sin v = +-1.
+
+    Raises
+    ------
+    InputError
+        v [rad] that is not between 0 and pi, shapes that do not go together, numbers that are not
+        finite.
+    """
+    p, q = complex_together(u=u, v=v)
+    outside = ~((q.real > 0) & (q.real < np.pi))
+    if outside.any():
+        raise InputError(f"v = {q.real[outside].flat[0]:g} rad; it must lie between 0 and pi")
+    finite(p.real, "u")
     d = 1.0 + p * p * np.sin(q) ** 2
     return np.stack(
         [
@@ -56,8 +72,11 @@ def breather_lines(u: Complexes, v: Complexes, rate: float) -> Array:
     """
     if not 0.0 < rate < 1.0:
         raise InputError(f"the rate of a breather is {rate:g}; it must lie between 0 and 1")
-    p, q = np.broadcast_arrays(u, v)
+    p, q = complex_together(u=u, v=v)
     pulse = np.sqrt(1.0 - rate * rate)
+    far = float(np.abs(rate * p.real).max(initial=0.0))
+    if far > FARTHEST:
+        raise InputError(f"rate * u reaches {far:g}; {FARTHEST:g} is the most")
     cosh, sinh = np.cosh(rate * p), np.sinh(rate * p)
     cos, sin = np.cos(pulse * q), np.sin(pulse * q)
     d = rate * ((pulse * cosh) ** 2 + (rate * sin) ** 2)
@@ -90,8 +109,9 @@ def dini_lines(u: Complexes, v: Complexes, sigma: float = 0.5 * np.pi) -> Array:
     if not 0.0 < sigma < np.pi:
         raise InputError(f"sigma = {sigma:g} rad; it must lie between 0 and pi")
     s, c = np.sin(sigma), np.cos(sigma)
-    p, q = np.broadcast_arrays(u, v)
-    sech = s / np.cosh(p)
+    p, q = complex_together(u=u, v=v)
+    with np.errstate(over="ignore"):
+        sech = s / np.cosh(p)
     return np.stack([sech * np.cos(q), sech * np.sin(q), s * (p - np.tanh(p)) + c * q], axis=-1)
 
 
@@ -111,8 +131,9 @@ def rotational_lines(u: Complexes, v: Complexes, waist: float) -> Array:
     """
     if not (waist > 0 and np.isfinite(waist)):
         raise InputError(f"the waist is {waist:g}; a positive radius is needed")
-    p, q = np.broadcast_arrays(u, v)
-    beyond = waist * np.sinh(np.abs(p.real)) >= 1.0
+    p, q = complex_together(u=u, v=v)
+    with np.errstate(over="ignore"):
+        beyond = waist * np.sinh(np.abs(p.real)) >= 1.0
     if beyond.any():
         raise InputError(
             f"u = {p.real[beyond].flat[0]:g} is beyond the rim at {np.arcsinh(1 / waist):.6g}"

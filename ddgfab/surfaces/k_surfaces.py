@@ -14,8 +14,8 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ddgfab.arguments import checked
-from ddgfab.errors import InputError
+from ddgfab.arguments import checked, finite_together
+from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.surfaces.sine_gordon import Solution, increasing, integrated
 
@@ -24,6 +24,10 @@ Complex: TypeAlias = NDArray[np.complex128]
 SERIES: Final = 1e-3
 """Where the power series of Amsler's angle hands over to the integrator; its terms of fifth order
 and beyond are below rounding there."""
+
+
+FARTHEST: Final = 1e6
+"""Greatest |r| to which Amsler's angle is integrated; steps grow as sqrt(r), about 1,000 there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,14 +54,18 @@ def dini(u: ArrayLike, v: ArrayLike, sigma: float = 0.5 * np.pi, start: float = 
     Raises
     ------
     InputError
-        sigma out of range.
+        sigma out of range; parameters that are not finite, do not go together, or so large that
+        the points are not.
 
     Source: mathematics.md 3.15, 3.9.
     """
     if not 0.0 < sigma < np.pi:
         raise InputError(f"sigma = {sigma:g} rad; it must lie between 0 and pi")
-    points, normals = _transform(_grid(u, v), complex(sigma), complex(start))
-    return KSurface(points.real, normals.real)
+    grid = _grid(u, v)
+    _refuse_start(start)
+    with np.errstate(over="ignore", invalid="ignore"):
+        points, normals = _transform(grid, complex(sigma), complex(start))
+    return _surface(points.real, normals.real)
 
 
 @checked
@@ -81,19 +89,21 @@ def breather(u: ArrayLike, v: ArrayLike, tau: float, start: complex = 1.0) -> KS
     Raises
     ------
     InputError
-        tau = 0 (the limit is `kuen`).
+        tau = 0 (the limit is `kuen`); parameters as in `dini`.
 
     Source: mathematics.md 3.12, 3.15.
     """
     if tau == 0.0 or not np.isfinite(tau):
         raise InputError(f"tau = {tau:g}; a number other than 0 is needed (kuen is the limit)")
     grid, sigma = _grid(u, v), 0.5 * np.pi + 1j * tau
-    points, normals = (part.real for part in _line(grid))
-    _, transform = _transform(grid, sigma, complex(start))
-    p, q = transform.real, transform.imag
-    # Bianchi's formula for n' = p + i q and its conjugate is real; <n, q> = Im cos(sigma).
-    a = 2.0 * np.cos(sigma).imag / np.einsum("...i,...i->...", q, q)[..., None]
-    return KSurface(points + a * np.cross(p, q), normals - a * q)
+    _refuse_start(start)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        points, normals = (part.real for part in _line(grid))
+        _, transform = _transform(grid, sigma, complex(start))
+        p, q = transform.real, transform.imag
+        # Bianchi's formula for n' = p + i q and its conjugate is real; <n, q> = Im cos(sigma).
+        a = 2.0 * np.cos(sigma).imag / np.einsum("...i,...i->...", q, q)[..., None]
+        return _surface(points + a * np.cross(p, q), normals - a * q)
 
 
 @checked
@@ -105,15 +115,22 @@ def kuen(u: ArrayLike, v: ArrayLike, shift: float = 0.0) -> KSurface:
     u, v : arrays that broadcast to one shape
     shift : moves the double pole along u + v
 
+    Raises
+    ------
+    InputError
+        Parameters as in `dini`, or a shift that is not finite.
+
     Source: mathematics.md 3.12 in the limit: with d the derivative of the transform's normal by
     sigma, n12 = n - 2 <n, d> / <d, d> d and x12 = x - 2 <n, d> / <d, d> d x n1.
     """
     grid = _grid(u, v)
-    points, normals = _line(grid)
-    theta, along = (grid[0] + grid[1]).real, (grid[1] - grid[0]).real
-    sine, cosine = 1.0 / np.cosh(along), -np.tanh(along)
-    x, n = double_transform(points.real, normals.real, sine, cosine, shift - theta)
-    return KSurface(x, n)
+    finite_together(shift=shift)
+    with np.errstate(over="ignore", invalid="ignore"):
+        points, normals = _line(grid)
+        theta, along = (grid[0] + grid[1]).real, (grid[1] - grid[0]).real
+        sine, cosine = 1.0 / np.cosh(along), -np.tanh(along)
+        x, n = double_transform(points.real, normals.real, sine, cosine, shift - theta)
+    return _surface(x, n)
 
 
 def double_transform(
@@ -197,9 +214,22 @@ def amsler_angle(r: ArrayLike, start: float) -> tuple[Floats, Floats]:
     r : any shape, of any sign
     start : the angle [rad] between the two straight lines
 
+    Raises
+    ------
+    InputError
+        A number that is not finite.
+    DegenerateError
+        An r so far from 0 that the integration does not reach it; says the limit, or how far it
+        came.
+
     Source: mathematics.md 3.14; a third Painleve equation. Near 0, f = start + sin(start) r + ...
     """
-    given = np.asarray(r, dtype=np.float64)
+    given, _ = finite_together(r=r, start=start)
+    if np.abs(given).max(initial=0.0) > FARTHEST:
+        raise DegenerateError(
+            f"r = {given.flat[np.abs(given).argmax()]:g} lies too far from 0 for the integration "
+            f"of Amsler's angle (limit {FARTHEST:g})"
+        )
     values, back = np.unique(given, return_inverse=True)
     f, slope = np.empty_like(values), np.empty_like(values)
     near = np.abs(values) <= SERIES
@@ -259,12 +289,22 @@ def _amsler_series(r: Floats, start: float) -> tuple[Floats, Floats]:
 
 
 def _grid(u: ArrayLike, v: ArrayLike) -> tuple[Complex, Complex]:
-    p, q = np.broadcast_arrays(
-        np.asarray(u, dtype=np.complex128), np.asarray(v, dtype=np.complex128)
-    )
-    if not (np.isfinite(p).all() and np.isfinite(q).all()):
-        raise InputError("parameters of a surface must be finite")
-    return p, q
+    p, q = finite_together(u=u, v=v)
+    return p.astype(np.complex128), q.astype(np.complex128)
+
+
+def _refuse_start(start: complex) -> None:
+    if not np.isfinite(start):
+        raise InputError(f"start = {start:g}; a finite number is needed")
+
+
+def _surface(points: Floats, normals: Floats) -> KSurface:
+    """The surface, or `InputError` where parameters were so large that points are not finite."""
+    bad = ~(np.isfinite(points) & np.isfinite(normals)).all(axis=-1)
+    if bad.any():
+        at = tuple(np.argwhere(bad)[0].tolist())
+        raise InputError(f"point {at} is not finite in floating point: u or v is too large there")
+    return KSurface(points, normals)
 
 
 def _line(grid: tuple[Complex, Complex]) -> tuple[Complex, Complex]:

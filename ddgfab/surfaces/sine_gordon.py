@@ -13,7 +13,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked, together
+from ddgfab.arguments import checked, finite_together
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.tolerances import RELATIVE_DEGENERATE
@@ -41,13 +41,15 @@ def soliton(u: ArrayLike, v: ArrayLike, a: float, c: float = 1.0) -> Floats:
     Raises
     ------
     InputError
-        a = 0, or a number that is not finite.
+        a = 0, a number that is not finite, or shapes that do not go together.
 
     Source: mathematics.md 5.2.
     """
     _parameters([a], [c])
-    p, q = np.asarray(u, dtype=np.float64), np.asarray(v, dtype=np.float64)
-    return np.asarray(4.0 * np.arctan(c * np.exp(a * p + q / a)))
+    p, q = finite_together(u=u, v=v)
+    with np.errstate(over="ignore", invalid="ignore"):  # atan of an infinite number is pi / 2
+        angle = np.asarray(4.0 * np.arctan(c * np.exp(a * p + q / a)))
+    return _known(angle)
 
 
 @checked
@@ -66,7 +68,7 @@ def permute(phi: ArrayLike, first: ArrayLike, second: ArrayLike, a: float, b: fl
     """
     _distinct([a, b])
     ratio = (a + b) / (a - b)
-    base, one, other = together(phi=phi, first=first, second=second)
+    base, one, other = finite_together(phi=phi, first=first, second=second)
     quarter = 0.25 * (one - other)
     turns = np.round(quarter / np.pi)
     own = np.arctan(abs(ratio) * np.tan(quarter - np.pi * turns)) + np.pi * turns
@@ -97,7 +99,7 @@ def solitons(
     """
     _parameters(parameters, constants)
     _distinct(parameters)
-    p, q = together(u=u, v=v)
+    p, q = finite_together(u=u, v=v)
     before = [np.zeros(p.shape)] * (len(parameters) + 1)
     row = [soliton(p, q, a, c) for a, c in zip(parameters, constants, strict=True)]
     for width in range(2, len(parameters) + 1):
@@ -118,14 +120,16 @@ def breather_angle(u: ArrayLike, v: ArrayLike, rate: float) -> Floats:
     Raises
     ------
     InputError
-        A rate that is not between 0 and 1.
+        A rate that is not between 0 and 1, parameters that are not finite or too large, shapes
+        that do not go together.
     """
     if not 0.0 < rate < 1.0:
         raise InputError(f"the rate of a breather is {rate:g}; it must lie between 0 and 1")
-    p, q = np.asarray(u, dtype=np.float64), np.asarray(v, dtype=np.float64)
+    p, q = finite_together(u=u, v=v)
     pulse = np.sqrt(1.0 - rate * rate)
-    wave = np.sin(pulse * (p - q)) / np.cosh(rate * (p + q))
-    return np.asarray(4.0 * np.arctan(rate / pulse * wave))
+    with np.errstate(over="ignore", invalid="ignore"):  # far away the wave has died out
+        wave = np.sin(pulse * (p - q)) / np.cosh(rate * (p + q))
+    return _known(np.asarray(4.0 * np.arctan(rate / pulse * wave)))
 
 
 @checked
@@ -225,6 +229,13 @@ def integrated(slope: Callable[[float, Floats], Floats], start: Floats, at: Floa
     if not found.success or found.y.shape[1] != len(at):
         raise DegenerateError(f"integration stops before {at[-1]:g}: {found.message}")
     return np.asarray(found.y.T)
+
+
+def _known(angles: Floats) -> Floats:
+    """Angles, or `InputError` where parameters were so large that they cannot be computed."""
+    if not np.isfinite(angles).all():
+        raise InputError("u or v is too large: the angle is not determined in floating point")
+    return angles
 
 
 def _parameters(parameters: Sequence[float], constants: Sequence[float]) -> None:

@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked, of_shape, together
+from ddgfab.arguments import checked, finite_together, of_shape
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
-from ddgfab.tolerances import RELATIVE_DEGENERATE, UNIT_NORMAL
+from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE, UNIT_NORMAL
 
 SAME_CENTER: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Centers of two inversions are one point when they differ by less than this part of their
@@ -30,6 +30,8 @@ def invert(points: ArrayLike, center: ArrayLike, radius: float) -> Floats:
 
     Raises
     ------
+    InputError
+        Other than three coordinates, or a radius that is not finite.
     DegenerateError
         A point in the center; names its index.
 
@@ -39,6 +41,8 @@ def invert(points: ArrayLike, center: ArrayLike, radius: float) -> Floats:
     array([0.5, 0. , 0. ])
     """
     x, c = _in_space(points, "points"), of_shape(center, (3,), "center")
+    if not abs(radius) < COORDINATE_LIMIT:
+        raise InputError(f"radius is {radius:g}; a finite number is needed")
     away = x - c
     square = np.sum(away * away, axis=-1, keepdims=True)
     _refuse_center(square[..., 0], radius)
@@ -72,7 +76,7 @@ def invert_normals(points: ArrayLike, normals: ArrayLike, center: ArrayLike) -> 
     """
     away = _in_space(points, "points") - of_shape(center, (3,), "center")
     _refuse_center(np.sum(away * away, axis=-1), 0.0)
-    n = together(points=away, normals=normals)[1]
+    n = finite_together(points=away, normals=normals)[1]
     along = np.sum(n * away, axis=-1, keepdims=True) / np.sum(away * away, axis=-1, keepdims=True)
     return np.asarray(n - 2.0 * along * away)
 

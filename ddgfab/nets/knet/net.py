@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked
+from ddgfab.arguments import checked, vectors
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.asymptotic import integrate, lelieuvre_edges
@@ -195,7 +195,16 @@ def _moutard_gap(m: Floats, i: int, j: int) -> Floats:
 
 @checked
 def oriented_angle(normal: Floats, a: Floats, b: Floats) -> Floats:
-    """(...) angle from a to b about a normal [rad], in (-pi, pi]; vectors (..., 3) (3.5, 11b)."""
+    """(...) angle from a to b about a normal [rad], in (-pi, pi]; vectors (..., 3).
+
+    Raises
+    ------
+    InputError
+        Vectors without three finite coordinates, or whose shapes do not go together.
+
+    Source: mathematics.md 3.5, 11b.
+    """
+    normal, a, b = vectors(normal=normal, a=a, b=b)
     sine = np.einsum("...i,...i->...", normal, np.cross(a, b))
     return np.asarray(np.arctan2(sine, np.einsum("...i,...i->...", a, b)))
 
