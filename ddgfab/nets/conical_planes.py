@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +20,7 @@ from ddgfab.arguments import checked, of_shape
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.axes import vertex_normals
+from ddgfab.nets.blaschke import frame_of, on_cylinder, unit_planes, with_distance
 from ddgfab.nets.circular import angle_rule
 from ddgfab.nets.conical import best_normal, face_normals
 from ddgfab.nets.conjugate import coeffs_kernel, planarity
@@ -46,7 +46,7 @@ def net_planes(points: ArrayLike) -> Floats:
     normals = face_normals(points)
     x = np.asarray(points, dtype=np.float64)
     middle = 0.25 * (x[1:, 1:] + x[1:, :-1] + x[:-1, 1:] + x[:-1, :-1])
-    return _with_distance(normals, middle)
+    return with_distance(normals, middle)
 
 
 @checked
@@ -70,7 +70,7 @@ def contact_planes(points: ArrayLike, first: ArrayLike | None = None) -> Floats:
     """
     x = net_points(points, 3)
     start = best_normal(x.reshape(*x.shape[:2], -1, 3)[:, :, 0]) if first is None else first
-    return _with_distance(vertex_normals(x, start), x)
+    return with_distance(vertex_normals(x, start), x)
 
 
 @checked
@@ -92,7 +92,7 @@ def contact_points(planes: ArrayLike, first: ArrayLike) -> Floats:
 
     Source: Pottmann, Wallner 2008; mathematics.md 2.10.
     """
-    p = _planes(planes, NET_INPUT)
+    p = unit_planes(planes, NET_INPUT)
     start = np.asarray(first, dtype=np.float64)
     if start.shape != (3,) or not np.isfinite(start).all():
         raise InputError(f"first point {start.tolist()}: three finite numbers are needed")
@@ -144,7 +144,7 @@ def plane_meets(planes: ArrayLike, axes: tuple[int, int] = (0, 1)) -> Floats:
 
     Source: mathematics.md 2.11.
     """
-    scaled, frame = _blaschke(_planes(planes, NET_INPUT))
+    scaled, frame = on_cylinder(unit_planes(planes, NET_INPUT))
 
     def kernel(p: Floats, p1: Floats, p2: Floats, p12: Floats, place: Place) -> Floats:
         a, b = p1 - p, p2 - p
@@ -170,9 +170,9 @@ def plane_residuals(planes: ArrayLike) -> dict[str, float]:
 
     Source: mathematics.md 2.11.
     """
-    p = _planes(planes, np.inf)
+    p = unit_planes(planes, np.inf)
     off = np.abs(np.linalg.norm(p[..., :3], axis=-1) - 1.0).max()
-    scaled = _blaschke(p)[0]
+    scaled = on_cylinder(p)[0]
     flat = [np.abs(planarity(scaled, pair)).max(initial=0.0) for pair in pairs(scaled)]
     return {"unit": float(off), "planarity": float(max(flat))}
 
@@ -210,7 +210,7 @@ def conical_plane(
     names = ("p", "p1", "p2", "p3", "p12", "p13", "p23")
     planes = zip((p, p1, p2, p3, p12, p13, p23), names, strict=True)
     given = np.stack([of_shape(plane, (4,), name) for plane, name in planes])
-    scaled, frame = _blaschke(_planes(given[:, None], tolerance))
+    scaled, frame = on_cylinder(unit_planes(given[:, None], tolerance))
     x, x1, x2, x3, x12, x13, x23 = scaled[:, 0]
     return frame.back(cube_point(x, x1, x2, x3, x12, x13, x23, tolerance))
 
@@ -243,9 +243,10 @@ def evolve_conical(
     Source: Bobenko, Suris, 3.4; mathematics.md 2.11.
     """
     given = {
-        pair: _planes(surface, tolerance, f"surface {pair}: ") for pair, surface in surfaces.items()
+        pair: unit_planes(surface, tolerance, f"surface {pair}: ")
+        for pair, surface in surfaces.items()
     }
-    frame = _frame_of([p.reshape(-1, 4) for p in given.values()])
+    frame = frame_of([p.reshape(-1, 4) for p in given.values()])
     scaled = {pair: frame.scaled(p) for pair, p in given.items()}
     net = evolve_nd(scaled, verify=verify, tolerance=tolerance)
     if verify:
@@ -288,10 +289,10 @@ def evolve_conical_by_angles(
     if not wanted or sorted(angles) != wanted:
         raise InputError(f"angles for directions {sorted(angles)}; {wanted} are needed")
     given = [
-        _planes(np.asarray(line)[:, None], NET_INPUT, f"line {k}: ")[:, 0]
+        unit_planes(np.asarray(line)[:, None], NET_INPUT, f"line {k}: ")[:, 0]
         for k, line in enumerate(lines)
     ]
-    frame = _frame_of(given)
+    frame = frame_of(given)
     scaled = [frame.scaled(p) for p in given]
     surfaces = {
         (k, m): sweep(scaled[k], scaled[m], (angles[k, m],), _angle_plane) for k, m in wanted
@@ -306,60 +307,3 @@ def _angle_plane(p: Floats, p1: Floats, p2: Floats, theta: Floats, place: Place)
     first, second = coeffs_kernel(n, n1, n2, fourth, place)
     distance = p[3] + (1.0 + first) * (p1[3] - p[3]) + (1.0 + second) * (p2[3] - p[3])
     return np.concatenate([fourth, distance[None]])
-
-
-# --- the cylinder --------------------------------------------------------------------------------
-class _Frame(NamedTuple):
-    """Origin and unit of length in which planes are computed with."""
-
-    center: Floats
-    size: float
-
-    def scaled(self, planes: Floats) -> Floats:
-        out = planes.copy()
-        out[..., 3] = (planes[..., 3] - planes[..., :3] @ self.center) / self.size
-        return out
-
-    def back(self, planes: Floats) -> Floats:
-        """The planes in the units of the input, their normals made unit."""
-        out = planes / np.linalg.norm(planes[..., :3], axis=-1, keepdims=True)
-        out[..., 3] = self.size * out[..., 3] + out[..., :3] @ self.center
-        return np.asarray(out)
-
-
-def _frame_of(planes: Sequence[Floats]) -> _Frame:
-    """The point nearest to all planes and their greatest distance from it."""
-    rows = np.concatenate(planes)
-    center = np.linalg.lstsq(rows[:, :3], rows[:, 3], rcond=RELATIVE_DEGENERATE)[0]
-    away = float(np.abs(rows[:, 3] - rows[:, :3] @ center).max())
-    far = float(np.abs(rows[:, 3]).max())
-    # Planes through one point have no size of their own.
-    return _Frame(np.asarray(center), away if away > RELATIVE_DEGENERATE * far else max(far, 1.0))
-
-
-def _blaschke(planes: Floats) -> tuple[Floats, _Frame]:
-    frame = _frame_of([planes.reshape(-1, 4)])
-    return frame.scaled(planes), frame
-
-
-def _planes(planes: ArrayLike, tolerance: float, what: str = "") -> Floats:
-    """Float array (n1, ..., nd, 4) with unit normals; raises `InputError` for others."""
-    p = net_points(planes)
-    if p.shape[-1] != 4:
-        raise InputError(f"{what}planes (n, d) have four numbers each; these {p.shape[-1]}")
-    length = np.linalg.norm(p[..., :3], axis=-1)
-    bad = ~(np.abs(length - 1.0) <= tolerance)
-    if bad.any():
-        at = tuple(int(i) for i in np.argwhere(bad)[0])
-        raise InputError(
-            f"{what}the normal of plane {at} has length {length[at]:.9g}; unit normals are needed "
-            f"(to {tolerance:g})"
-        )
-    return p
-
-
-def _with_distance(normals: Floats, points: Floats) -> Floats:
-    # About the first point, so that the distance keeps its digits far from the origin.
-    origin = points.reshape(-1, 3)[0]
-    local = np.sum(normals * (points - origin), axis=-1)
-    return np.concatenate([normals, (local + normals @ origin)[..., None]], axis=-1)

@@ -11,7 +11,8 @@ from pydantic import ValidationError
 from ddgfab.forms.registry import ParameterError, find_generator, kinds
 from ddgfab.surfaces.analytic import SURFACES, surface_parameters
 from fabrication.gridshell.net_settings import MESH, SURFACE, NetSettings
-from fabrication.gridshell.project import BeamRule, Project
+from fabrication.gridshell.part_settings import BeamRule
+from fabrication.gridshell.project import Project
 from fabrication.project.load import explain, sections_in, show, unknown
 from fabrication.project.read import Changes, Origin, changed, read_toml
 from fabrication.surfaces_in.find import CAD_SUFFIXES

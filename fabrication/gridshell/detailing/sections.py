@@ -9,7 +9,8 @@ import numpy as np
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats, Ints, Mesh
 from fabrication.gridshell.detailing.frames import beam_mark
-from fabrication.gridshell.project import BeamRule, Project
+from fabrication.gridshell.part_settings import BeamRule
+from fabrication.gridshell.project import Project
 from fabrication.specs import Profile
 from fabrication.standards.profiles import z_range
 

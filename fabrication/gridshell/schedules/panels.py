@@ -10,8 +10,8 @@ import numpy as np
 
 from fabrication.formats.tables import Legend
 from fabrication.gridshell.detailing.gridshell import Gridshell
+from fabrication.gridshell.part_settings import PanelSettings
 from fabrication.gridshell.pieces import Panel, Side
-from fabrication.gridshell.project import PanelSettings
 from fabrication.gridshell.schedules.common import (
     MARK,
     NUMBER,
