@@ -36,23 +36,30 @@ def turn_by_error(found: Principal, spacing: float) -> Floats:
 
 
 def turn_by_cell(samples: Samples, spacing: float) -> Floats:
-    """(n,) angle [rad] by which the directions turn over a spacing, at the samples inside.
+    """(n,) angle [rad] between the directions at samples inside and those a spacing further.
 
-    Of both ways of the grid the greater one; 90 deg at most.
+    Of both ways of the grid the greater one; 90 deg at most. Samples whose neighbors lie outside
+    are left out. Errors of directions that do not add up along the way, as those of a fit to
+    noisy points, count once.
     """
-    found = samples.principal
-    jets = samples.jets
-    first = lifted(jets, found.first).reshape(SIDE, SIDE, 3)
-    x = jets.x.reshape(SIDE, SIDE, 3)
-    rate = np.zeros((SIDE, SIDE))
+    first = lifted(samples.jets, samples.principal.first).reshape(SIDE, SIDE, 3)
+    x = samples.jets.x.reshape(SIDE, SIDE, 3)
+    inside = samples.inside.reshape(SIDE, SIDE)
+    turned = np.full((SIDE, SIDE), np.nan)
     for axis in (0, 1):
-        one, two = np.moveaxis(first, axis, 0)[:-1], np.moveaxis(first, axis, 0)[1:]
-        cos = np.abs(np.einsum("ijx,ijx->ij", one, two))
-        length = np.linalg.norm(np.diff(x, axis=axis), axis=-1)
-        turn = np.arccos(np.clip(cos, 0.0, 1.0)) / np.moveaxis(length, axis, 0)
-        here = np.moveaxis(rate, axis, 0)
-        np.maximum(here[:-1], turn, out=here[:-1])
-    return np.minimum(spacing * rate.ravel()[samples.inside], np.pi / 2)
+        direction, point, known = (np.moveaxis(a, axis, 0) for a in (first, x, inside))
+        here = np.moveaxis(turned, axis, 0)
+        both = known[:-1] & known[1:]
+        if not both.any():
+            continue
+        step = float(np.median(np.linalg.norm(np.diff(point, axis=0), axis=-1)[both]))
+        apart = int(np.clip(round(spacing / step), 1, SIDE // 2))
+        cos = np.abs(np.einsum("ijx,ijx->ij", direction[:-apart], direction[apart:]))
+        length = np.linalg.norm(point[apart:] - point[:-apart], axis=-1)
+        angle = np.arccos(np.clip(cos, 0.0, 1.0)) * np.minimum(1.0, spacing / length)
+        angle[~(known[:-apart] & known[apart:])] = np.nan
+        here[:-apart] = np.fmax(here[:-apart], angle)
+    return turned[np.isfinite(turned)]
 
 
 def check_rest(samples: Samples, spacing: float) -> None:
@@ -64,7 +71,7 @@ def check_rest(samples: Samples, spacing: float) -> None:
         Noise, or waves much shorter than the spacing; names the part of the surface.
     """
     turn = turn_by_cell(samples, spacing)
-    part = float((turn > np.radians(_RESTLESS_DEG)).mean())
+    part = float((turn > np.radians(_RESTLESS_DEG)).mean()) if len(turn) else 0.0
     if part > _SHARE:
         raise DegenerateError(
             f"{samples.surface.name}: principal directions turn by more than {_RESTLESS_DEG:g} deg "
