@@ -39,7 +39,7 @@ class Limits:
     reflex_quads: int = 0
     rise: float = 0.8
     zigzag: float = math.radians(6.0)
-    stretch: float = 0.5
+    stretch: float = 0.6
     pane: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:

@@ -47,8 +47,10 @@ def turn_by_cell(samples: Samples, spacing: float) -> Floats:
     inside = samples.inside.reshape(SIDE, SIDE)
     turned = np.full((SIDE, SIDE), np.nan)
     for axis in (0, 1):
-        direction, point, known = (np.moveaxis(a, axis, 0) for a in (first, x, inside))
-        here = np.moveaxis(turned, axis, 0)
+        direction: Floats = np.moveaxis(first, axis, 0)
+        point: Floats = np.moveaxis(x, axis, 0)
+        known = np.moveaxis(inside, axis, 0)
+        here: Floats = np.moveaxis(turned, axis, 0)
         both = known[:-1] & known[1:]
         if not both.any():
             continue
@@ -59,7 +61,7 @@ def turn_by_cell(samples: Samples, spacing: float) -> Floats:
         angle = np.arccos(np.clip(cos, 0.0, 1.0)) * np.minimum(1.0, spacing / length)
         angle[~(known[:-apart] & known[apart:])] = np.nan
         here[:-apart] = np.fmax(here[:-apart], angle)
-    return turned[np.isfinite(turned)]
+    return np.asarray(turned[np.isfinite(turned)])
 
 
 def check_rest(samples: Samples, spacing: float) -> None:

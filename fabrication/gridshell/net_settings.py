@@ -221,7 +221,7 @@ class OptimizeSettings(Section):
     rise_limit_percent: Annotated[float, Field(ge=0, lt=100)] = 80.0
     max_pane_mm: Annotated[tuple[Positive, Positive], Field(strict=False)] | None = None
     zigzag_limit_deg: Annotated[float, Field(gt=0, le=180)] = 6.0
-    stretch_limit_percent: Annotated[float, Field(gt=0, le=1000)] = 50.0
+    stretch_limit_percent: Annotated[float, Field(gt=0, le=1000)] = 60.0
     fix: Literal["none", "boundary"] | VertexIds = "none"
     boundary: Boundary = "free"
     feature_angle_deg: Degrees | None = None

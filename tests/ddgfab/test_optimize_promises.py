@@ -149,13 +149,13 @@ def _without_stretch(of: Callable[..., Weights], *args: object, **options: objec
 
 def test_stretched_edges_are_beyond_the_limits() -> None:
     mesh = dome(6)
-    for factor, beyond in ((1.3, False), (1.7, True), (0.6, False), (0.4, True)):
+    for factor, beyond in ((1.5, False), (1.7, True), (0.45, False), (0.3, True)):
         change = Change(mesh, mesh.with_vertices(factor * mesh.vertices), mesh)
         assert change.edge_stretch == pytest.approx((factor,) * 3)
         assert ("stretch" in Limits().kinds(change)) == beyond
     said = [text for text in Limits().exceeded(change) if "edges are stretched" in text]
-    assert "5 of 100 to 0.40 of their length" in said[0]
-    assert "limits 0.5 and 1.5" in said[0]
+    assert "5 of 100 to 0.30 of their length" in said[0]
+    assert "limits 0.4 and 1.6" in said[0]
 
 
 def test_the_boundary_is_laid_on_the_surface_given() -> None:
