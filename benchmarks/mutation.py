@@ -45,13 +45,16 @@ ROOMS = {
     ),
     "parts": (
         ["fabrication/parts"],
-        ["test_parts_*", "test_families", "test_solids_properties", "test_linkage_links"],
+        [
+            *("test_parts_*", "test_families*", "test_solids_properties"),
+            *("test_linkage_links", "test_linkage_labels"),
+        ],
     ),
     "checks": (["fabrication/checks"], ["test_checks_*"]),
     "linkages": (["ddgfab/linkages"], ["test_linkages_*"]),
     "families": (
         ["fabrication/families.py", "fabrication/variants.py"],
-        ["test_families", "test_parts_pin"],
+        ["test_families*", "test_parts_pin"],
     ),
 }
 """Modules and test files of every room."""

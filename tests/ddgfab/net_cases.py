@@ -92,3 +92,14 @@ def parallel_defect(x: Floats, y: Floats) -> float:
         )
         for k in (0, 1)
     )
+
+
+def centered(points: Floats) -> Floats:
+    return np.asarray(points - points.mean(axis=0))
+
+
+def apart(one: Floats, two: Floats) -> float:
+    """Greatest distance of two sets of points up to a rotation, a reflection and a shift."""
+    a, b = centered(one), centered(two)
+    u, _, vt = np.linalg.svd(a.T @ b)
+    return float(np.abs(a @ (u @ vt) - b).max())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -13,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from fabrication.families import cluster, families
+from fabrication.families import families
 from fabrication.gridshell.pieces import Beam, Node, Panel
 from fabrication.linkage.pieces import Loose
 from fabrication.parts.beam import BeamShape, EndCut, fibre_ends
@@ -341,71 +340,6 @@ def test_noise_changes_nothing() -> None:
     for a, b in zip(first, second, strict=True):
         for i, j in zip(a.instances, b.instances, strict=True):
             assert np.allclose(i.placement, j.placement, atol=1e-9)
-
-
-def test_clustering_agrees_with_all_pairs() -> None:
-    rng = np.random.default_rng(7)
-    points = rng.uniform(0, 3, (300, 1, 2, 1)).round(1)  # many within 0.25 of each other
-    found = cluster(points, 0.25)
-    expected: list[int] = []
-    for i in range(300):
-        leaders = [
-            k for k in dict.fromkeys(expected) if np.abs(points[k, 0] - points[i, 0]).max() <= 0.25
-        ]
-        expected.append(leaders[0] if leaders else i)
-    assert found.leader.tolist() == expected
-
-
-def test_growth_is_nearly_linear() -> None:
-    def seconds(n: int) -> float:
-        points = np.random.default_rng(1).uniform(0, 1000, (n, 4, 8, 1))
-        begin = time.process_time()
-        cluster(points, 0.1)
-        return time.process_time() - begin
-
-    seconds(500)
-    few = min(seconds(2000) for _ in range(3))
-    many = min(seconds(16000) for _ in range(2))
-    assert many < 8 * 4 * few  # linear would be 8 times, quadratic 64 times
-
-
-def greedy(points: Floats, tolerance: float) -> tuple[list[int], list[float]]:
-    """Leaders and deviations by comparing every piece with every leader before it."""
-    leaders: list[int] = []
-    owner, off = [], []
-    for k in range(len(points)):
-        apart = np.linalg.norm(points[leaders] - points[k, 0], axis=-1).max(axis=-1).min(axis=-1)
-        fits = np.flatnonzero(apart <= tolerance)
-        if len(fits):
-            owner.append(leaders[fits[0]])
-            off.append(float(apart[fits[0]]))
-        else:
-            leaders.append(k)
-            owner.append(k)
-            off.append(0.0)
-    return owner, off
-
-
-@pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("scatter", [0.01, 0.04, 0.1])
-def test_clusters_are_those_of_comparing_all_with_all(seed: int, scatter: float) -> None:
-    """Few shapes, each turned and measured with errors: variants matter, and the tolerance does."""
-    rng = np.random.default_rng(seed)
-    shapes = rng.uniform(-500, 500, (9, 4, 2))
-    shapes[5:] = shapes[:4] + rng.normal(0, 0.05, (4, 4, 2))
-    pieces = shapes[rng.integers(0, 9, 300)]
-    turns = rng.integers(0, 4, 300)
-    pieces = np.stack([np.roll(p, k, axis=0) for p, k in zip(pieces, turns, strict=True)])
-    pieces = pieces + rng.normal(0, scatter, pieces.shape)
-    points = np.stack([np.roll(pieces, k, axis=1) for k in range(4)], axis=1)
-    found = cluster(points, 0.1)
-    owner, off = greedy(points, 0.1)
-    assert found.leader.tolist() == owner
-    assert np.allclose(found.deviation, off, atol=1e-5)
-    for k, leader in enumerate(owner):
-        apart = np.linalg.norm(points[leader, found.variant[k]] - points[k, 0], axis=-1).max()
-        assert apart == pytest.approx(off[k], abs=1e-5)
-    assert 5 <= len(set(owner)) < 300
 
 
 def test_pieces_whose_key_is_everything_keep_their_places() -> None:
