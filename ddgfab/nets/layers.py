@@ -11,11 +11,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked, of_shape
+from ddgfab.arguments import checked, is_numeric, of_shape
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, extent
 from ddgfab.nets.asymptotic import star_flatness
 from ddgfab.nets.circular import circular_residuals, circularity
+from ddgfab.nets.conical import conical_residuals
 from ddgfab.nets.conjugate import conjugate_residuals, planarity
 from ddgfab.nets.cubes import coordinate_surfaces, evolve_nd
 from ddgfab.nets.isothermic import cross_ratio_labels
@@ -90,9 +91,9 @@ def lattice(
     z[..., 0, 0] = x, z[..., 1, 0] = T_a x, z[..., 0, 1] = T_b x, z[..., 1, 1] the common one.
 
     It is a net of the class to which the net with T_a x and the net with T_b x belong (conjugate,
-    circular, isothermic, A-net, T-net: all that hold are demanded), also in the quads of the two
-    new directions. That the transforms commute is not enough: two Combescure transforms may, and
-    their quads be skew.
+    circular, conical, isothermic, A-net, T-net: all that hold are demanded), also in the quads of
+    the two new directions. That the transforms commute is not enough: two Combescure transforms
+    may, and their quads be skew.
 
     Parameters
     ----------
@@ -111,25 +112,28 @@ def lattice(
         the lattice does not, with the quad of the new directions; without `common` or `residuals`,
         transforms that belong to none of the classes.
     InputError
-        Shapes that differ.
+        Nets of the transforms of another shape than the net's, or not finite; names the transform.
 
     Source: mathematics.md 1.9.
     """
     x = np.asarray(net, dtype=np.float64)
-    a, b = (np.asarray(t(x), dtype=np.float64) for t in (transform_a, transform_b))
+    if x.ndim < 2 or not x.size:
+        raise InputError(f"net has shape {x.shape}; (n1, ..., nd, dim) is needed")
+    finite(x, "net")
+    a = _sheet(transform_a(x), x, "the net of transform_a")
+    b = _sheet(transform_b(x), x, "the net of transform_b")
     if common is not None:
-        both = np.asarray(common(x, a, b), dtype=np.float64)
+        both = _sheet(common(x, a, b), x, "the net of common")
     else:
-        both = np.asarray(transform_b(a), dtype=np.float64)
-        other = np.asarray(transform_a(b), dtype=np.float64)
-        if both.shape == other.shape:
-            size = extent(both)
-            gap = float(np.linalg.norm(both - other, axis=-1).max())
-            if gap > tolerance * size:
-                raise DegenerateError(
-                    f"the transforms do not commute: T_b T_a x and T_a T_b x are {gap:g} apart "
-                    f"(limit {tolerance * size:g}); give the common transform"
-                )
+        both = _sheet(transform_b(a), x, "the net of transform_b after transform_a")
+        other = _sheet(transform_a(b), x, "the net of transform_a after transform_b")
+        size = extent(both)
+        gap = float(np.linalg.norm(both - other, axis=-1).max())
+        if gap > tolerance * size:
+            raise DegenerateError(
+                f"the transforms do not commute: T_b T_a x and T_a T_b x are {gap:g} apart "
+                f"(limit {tolerance * size:g}); give the common transform"
+            )
     z = np.stack([stack_transforms([x, b]), stack_transforms([a, both])], axis=-3)
     conditions = _CLASSES if residuals is None else {"the given": residuals}
     layers = [stack_transforms([x, sheet]) for sheet in (a, b)]
@@ -148,10 +152,18 @@ def lattice(
             )
     if not held and common is None:
         raise DegenerateError(
-            "the net with its transforms is no conjugate, circular, isothermic, A- or T-net, so "
-            "that the lattice cannot be checked; give residuals or the common transform"
+            "the net with its transforms is no conjugate, circular, conical, isothermic, A- or "
+            "T-net, so that the lattice cannot be checked; give residuals or the common transform"
         )
     return z
+
+
+def _sheet(given: ArrayLike, net: Floats, what: str) -> Floats:
+    if not is_numeric(given):
+        raise InputError(f"{what} is no array of numbers of shape {net.shape}")
+    sheet = of_shape(given, net.shape, what)
+    finite(sheet, what)
+    return sheet
 
 
 def _defect(found: Residuals, net: Floats) -> float:
@@ -185,6 +197,21 @@ def _circular(net: Floats) -> dict[str, float]:
     return {"circularity": circular_residuals(net)["circularity"]}
 
 
+def _conical(net: Floats) -> dict[str, float]:
+    """Planarity, and greatest defect of the cones in pairs of directions with inner vertices."""
+    found: dict[str, float] = {}
+    for i, j in pairs(net):
+        if min(net.shape[i], net.shape[j]) < 3:
+            continue
+        parts = np.moveaxis(net, (i, j), (-3, -2))
+        for part in parts.reshape(-1, *parts.shape[-3:]):
+            for name, value in conical_residuals(part).items():
+                found[name] = max(value, found.get(name, 0.0))
+    if not found:
+        raise InputError(f"a net of shape {net.shape} has no inner vertices, so no cones")
+    return {**found, **conjugate_residuals(net)}
+
+
 def _asymptotic(net: Floats) -> dict[str, float]:
     return {"star flatness": float(star_flatness(net).max())}
 
@@ -200,6 +227,7 @@ def _moutard(net: Floats) -> dict[str, float]:
 _CLASSES: Final[dict[str, Residuals]] = {
     "conjugate": conjugate_residuals,
     "circular": _circular,
+    "conical": _conical,
     "isothermic": _isothermic,
     "A-": _asymptotic,
     "T-": _moutard,

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 from itertools import combinations, permutations
+from typing import Any
 
 import numpy as np
 import pytest
 from net_cases import planar_net
 
 from ddgfab.errors import DegenerateError, InputError
+from ddgfab.forms.registry import generate
 from ddgfab.mesh import Floats
+from ddgfab.net import Net
 from ddgfab.nets import conjugate as cn
 from ddgfab.nets import cubes
 from ddgfab.nets.layers import common_transform, lattice, sample, stack_transforms
@@ -351,3 +354,34 @@ def test_verify_sees_wrong_points(
     with pytest.raises(DegenerateError, match="point " + message):
         cubes.evolve_nd(given, verify=True)
     assert np.isfinite(cubes.evolve_nd(given)).all()
+
+
+def test_lattices_of_conical_nets_are_conical() -> None:
+    """Mirror images in two planes; a common net of planar quads without cones is refused."""
+    x = Net.from_mesh(generate("conical")).points[:9, :7] / 1000.0
+    a, b = x * [1.0, 1.0, -1.0] - [0.0, 0.0, 4.0], x * [-1.0, 1.0, 1.0] - [30.0, 0.0, 0.0]
+    both = a * [-1.0, 1.0, 1.0] - [30.0, 0.0, 0.0]
+    z = lattice(x, lambda _: a, lambda _: b, lambda *_: both)
+    assert np.array_equal(z[..., 1, 1, :], both)
+    corner = both[0, 0] + 0.3 * (b - x)[0, 0] + 0.03 * (a - x)[0, 0]
+    other = common_transform(x, a, b, corner)
+    planar = np.stack([stack_transforms([x, b]), stack_transforms([a, other])], axis=-3)
+    assert cn.conjugate_residuals(planar)["planarity"] < 1e-12
+    with pytest.raises(DegenerateError, match="no conical net, although"):
+        lattice(x, lambda _: a, lambda _: b, lambda *_: other)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (lambda y: y[1:], r"the net of transform_b has shape \(5, 5, 3\); \(6, 5, 3\)"),
+        (lambda y: None, "the net of transform_b is no array of numbers"),
+        (lambda y: y * np.nan, r"the net of transform_b: entry \(0, 0, 0\) is nan"),
+    ],
+)
+def test_nets_of_transforms_are_looked_at(wrong: Any, words: str) -> None:
+    x = planar_net()
+    with pytest.raises(InputError, match=words):
+        lattice(x, lambda y: y + 1.0, wrong)
+    with pytest.raises(InputError, match="net has shape"):
+        lattice(np.zeros((0, 3)), lambda y: y, lambda y: y)
