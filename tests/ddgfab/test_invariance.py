@@ -148,13 +148,14 @@ def test_vertex_normals_are_weighted_by_area() -> None:
 )
 def test_goals_under_similarities(goal: Goal) -> None:
     mesh = wavy(4)
-    plain = optimize(mesh, goal).mesh.vertices
+    plain = optimize(mesh, goal, rise_limit=0.5).mesh.vertices
     for at in NEAR:
-        found = optimize(at.mesh(mesh), goal).mesh.vertices
+        found = optimize(at.mesh(mesh), goal, rise_limit=0.5).mesh.vertices
         error = np.abs(found - at(plain)).max() / at.scale
         assert error < max(1e-6, 1e3 * at.rounding), (at.name, error)
     other, vertices, _ = relabelled(mesh)
-    assert np.abs(optimize(other, goal).mesh.vertices - plain[vertices]).max() < 1e-6
+    found = optimize(other, goal, rise_limit=0.5).mesh.vertices
+    assert np.abs(found - plain[vertices]).max() < 1e-6
 
 
 def bent(m: int = 5, n: int = 4) -> Mesh:
