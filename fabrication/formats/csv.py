@@ -51,25 +51,13 @@ class Csv(Format):
 
     def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
         """Read back: as many rows as the schedule has, each as wide as the header."""
-        checks = []
-        for name, rows in (whole.tables or {}).items():
-            path = folder / SCHEDULES / f"{name}.csv"
-            try:
-                with path.open(encoding="utf-8", newline="") as file:
-                    header, *found = list(csv.reader(file)) or [[]]
-            except (OSError, ValueError, csv.Error) as error:
-                checks.append(Check(f"csv {name} readable", False, clipped(error)))
-                continue
-            whole_rows = header == columns_of(rows) and all(len(r) == len(header) for r in found)
-            right = whole_rows and len(found) == len(rows)
-            checks.append(Check(f"csv {name} rows", right, float(len(found)), float(len(rows))))
-        wanted = sum(len(columns_of(rows)) for rows in (whole.tables or {}).values())
-        with (folder / COLUMNS).open(encoding="utf-8", newline="") as file:
-            explained = sum(1 for _ in csv.reader(file)) - 1
-        checks.append(
-            Check("csv columns rows", explained == wanted, float(explained), float(wanted))
-        )
-        return checks
+        tables = whole.tables or {}
+        checks = [
+            _read_back(folder / SCHEDULES / f"{name}.csv", name, columns_of(rows), len(rows))
+            for name, rows in tables.items()
+        ]
+        explained = sum(len(columns_of(rows)) for rows in tables.values())
+        return [*checks, _read_back(folder / COLUMNS, "columns", LEGEND, explained)]
 
     def inspect(self, path: Path) -> FileReport:
         """Its rows and columns; see `Format.inspect`."""
@@ -80,6 +68,17 @@ FORMAT: Final = Csv()
 
 LEGEND: Final = ("table", "column", "unit", "meaning")
 """Columns of columns.csv."""
+
+
+def _read_back(path: Path, name: str, columns: Sequence[str], count: int) -> Check:
+    """Whether a file has these columns, and so many rows, each with all of them."""
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            header, *found = list(csv.reader(file)) or [[]]
+    except (OSError, ValueError, csv.Error) as error:
+        return Check(f"csv {name} readable", False, clipped(error))
+    whole = header == list(columns) and all(len(row) == len(header) for row in found)
+    return Check(f"csv {name} rows", whole and len(found) == count, float(len(found)), float(count))
 
 
 def column_rows(

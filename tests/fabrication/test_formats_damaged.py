@@ -171,9 +171,11 @@ def test_damaged_schedules_fail_their_check(format: Any, damage: Any, tmp_path: 
     rows = [{"mark": "B-0001", "length_mm": 5.0}, {"mark": "B-0002", "length_mm": 6.0}]
     whole = Whole(About("roof", Header("", "", "roof"), {}), {}, (), (), tables={"beams": rows})
     format.write_whole(tmp_path, whole)
-    assert [check.passed for check in format.check_whole(tmp_path, whole)] == [True]
-    path = next((tmp_path / "schedules").iterdir())
-    path.write_bytes(damage(path.read_bytes()))
-    assert [check.passed for check in format.check_whole(tmp_path, whole)] == [False]
-    path.unlink()
-    assert [check.passed for check in format.check_whole(tmp_path, whole)] == [False]
+    assert all(check.passed for check in format.check_whole(tmp_path, whole))
+    for path in sorted((tmp_path / "schedules").iterdir()):
+        content = path.read_bytes()
+        for number, bad in enumerate((damage(content), None)):
+            path.unlink() if bad is None else path.write_bytes(bad)
+            checks = format.check_whole(tmp_path, whole)
+            assert sum(not check.passed for check in checks) == 1, (path.name, number)
+        path.write_bytes(content)
