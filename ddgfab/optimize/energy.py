@@ -41,9 +41,9 @@ EASY_STRETCH: Final = 1.3
 _GLIDE: Final = 1e4
 _ALONG: Final = 0.4
 """Smoothness of the sliding at "balanced"; it grows with the square of the knob."""
-_FAIR_RANGE: Final = 0.1, 10.0
+_FAIR_RANGE: Final = 0.3, 10.0
 """Range of the weight of smoothness; the lower end sinks where the surface is to be kept closer
-than "close". Below 0.1 nets of few faces crease rather than bend; above 10 fine nets stall."""
+than "close". Below 0.3 nets of few faces crease rather than bend; above 10 fine nets stall."""
 
 
 def keep_number(keep: Keep | float) -> float:
