@@ -6,7 +6,7 @@ A key's unit is in its name: _mm millimetres, _deg degrees, _percent percent.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, ClassVar, Final, Literal, Protocol, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -30,16 +30,9 @@ def _section(value: str | list[list[float | int]]) -> Profile:
     return profile(value) if isinstance(value, str) else polygon(value)
 
 
-class BeamRule(Section):
-    """[[beam]] with `where`: beams of one place.
+class _WithProfile(Section):
+    """A section with a profile."""
 
-    Attributes
-    ----------
-    where : "boundary", or edge numbers as in beams.csv
-    profile : as in [beam]
-    """
-
-    where: Literal["boundary"] | Annotated[tuple[int, ...], Field(strict=False)]
     profile: str | list[list[float | int]]
 
     @field_validator("profile")
@@ -53,7 +46,19 @@ class BeamRule(Section):
         return _section(self.profile)
 
 
-class BeamSettings(Section):
+class BeamRule(_WithProfile):
+    """[[beam]] with `where`: beams of one place.
+
+    Attributes
+    ----------
+    where : "boundary", or edge numbers as in beams.csv
+    profile : as in [beam]
+    """
+
+    where: Literal["boundary"] | Annotated[tuple[int, ...], Field(strict=False)]
+
+
+class BeamSettings(_WithProfile):
     """[beam].
 
     Attributes
@@ -78,18 +83,44 @@ class BeamSettings(Section):
     rules: tuple[BeamRule, ...] = Field(default=(), strict=False)
     density: Positive = density("steel")
 
-    @field_validator("profile")
+
+class _Registry(Protocol):
+    """Kinds by name, and the keys that are for some of them only."""
+
+    def names(self) -> tuple[str, ...]: ...
+    def kinds_of(self, key: str) -> Sequence[str]: ...
+
+
+class _WithKind(Section):
+    """A section whose kind stands in a registry; a key of other kinds is refused."""
+
+    registry: ClassVar[_Registry]
+
+    kind: str
+
     @classmethod
-    def _exists(cls, value: str | list[list[float | int]]) -> str | list[list[float | int]]:
-        _section(value)
+    def choices(cls) -> Mapping[str, Sequence[str]]:
+        """The kinds by name."""
+        return {"kind": cls.registry.names()}
+
+    @field_validator("kind")
+    @classmethod
+    def _known(cls, value: str) -> str:
+        names = cls.registry.names()
+        if value not in names:
+            raise ValueError(f'"{value}" is unknown; {suggestion(value, names)}')
         return value
 
-    def section(self) -> Profile:
-        """The cross-section itself."""
-        return _section(self.profile)
+    @model_validator(mode="after")
+    def _own_keys(self) -> Self:
+        for key in sorted(self.changed() - {"kind"}):
+            if (kinds := self.registry.kinds_of(key)) and self.kind not in kinds:
+                shown = " or ".join(f'"{kind}"' for kind in kinds)
+                raise ValueError(f'{key} is for kind = {shown}, not for "{self.kind}"')
+        return self
 
 
-class NodeSettings(Section):
+class NodeSettings(_WithKind):
     """[node].
 
     Attributes
@@ -107,6 +138,8 @@ class NodeSettings(Section):
     density : kg/m3; default steel, EN 1991-1-1
     """
 
+    registry: ClassVar[_Registry] = nodes
+
     kind: str = "cylinder"
     diameter_mm: Literal["auto"] | Positive = "auto"
     series_mm: tuple[Positive, ...] = Field(default=(), strict=False)
@@ -119,28 +152,8 @@ class NodeSettings(Section):
     grade: str = ""
     density: Positive = density("steel")
 
-    @classmethod
-    def choices(cls) -> Mapping[str, Sequence[str]]:
-        """The kinds by name."""
-        return {"kind": nodes.names()}
 
-    @field_validator("kind")
-    @classmethod
-    def _known(cls, value: str) -> str:
-        if value not in nodes.names():
-            raise ValueError(f'"{value}" is unknown; {suggestion(value, nodes.names())}')
-        return value
-
-    @model_validator(mode="after")
-    def _own_keys(self) -> NodeSettings:
-        for key in sorted(self.changed() - {"kind"}):
-            if (kinds := nodes.kinds_of(key)) and self.kind not in kinds:
-                shown = " or ".join(f'"{kind}"' for kind in kinds)
-                raise ValueError(f'{key} is for kind = {shown}, not for "{self.kind}"')
-        return self
-
-
-class ConnectionSettings(Section):
+class ConnectionSettings(_WithKind):
     """[connection]: how beams are joined to nodes.
 
     Attributes
@@ -159,6 +172,8 @@ class ConnectionSettings(Section):
     fasteners : whether studs, bolts, nuts and washers are parts, with files, in the assembly
     """
 
+    registry: ClassVar[_Registry] = connections
+
     kind: str = "welded"
     weld_mm: Annotated[float, Field(ge=3.0, le=50.0)] = 4.0
     bolt: BoltSize = "M12"
@@ -166,30 +181,6 @@ class ConnectionSettings(Section):
     plate_mm: Literal["auto"] | Positive = "auto"
     thread_mm: Literal["auto"] | Positive = "auto"
     fasteners: bool = False
-
-    @classmethod
-    def choices(cls) -> Mapping[str, Sequence[str]]:
-        """The kinds by name."""
-        return {"kind": connections.names()}
-
-    @field_validator("kind")
-    @classmethod
-    def _known(cls, value: str) -> str:
-        if value not in connections.names():
-            raise ValueError(f'"{value}" is unknown; {suggestion(value, connections.names())}')
-        return value
-
-    @model_validator(mode="after")
-    def _own_keys(self) -> ConnectionSettings:
-        changed = self.changed() - {"kind", "weld_mm"}
-        if self.kind == "welded" and changed:
-            key = min(changed)
-            raise ValueError(f'{key} is for bolted connections, not for kind = "welded"')
-        for key in sorted(changed):
-            if (kinds := connections.kinds_of(key)) and self.kind not in kinds:
-                shown = " or ".join(f'"{kind}"' for kind in kinds)
-                raise ValueError(f'{key} is for kind = {shown}, not for "{self.kind}"')
-        return self
 
 
 class PanelSettings(Section):

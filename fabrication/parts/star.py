@@ -18,6 +18,7 @@ from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
 from fabrication.boundary import Boundary, Vec
 from fabrication.parts.node import NODE, ReferenceMark
+from fabrication.parts.node.shape import ends_of, turn_between
 from fabrication.solids.builder import BoundaryBuilder, Coedges
 from fabrication.solids.section import segments
 from fabrication.solids.sweep import End, sweep
@@ -135,6 +136,22 @@ class StarShape:
             "plate_length_mm": self.length,
             "plate_hole_mm": self.diameter,
         }
+
+    def details(self) -> dict[str, Any]:
+        """Where its ends and the mark are."""
+        return ends_of(self)
+
+    def arm(self, azimuth: float | None) -> dict[str, Any]:
+        """Holes of the plate in a direction [rad], from the axis outwards; None where none is."""
+        own: list[TongueHole] = []
+        if azimuth is not None:
+            away = [abs(turn_between(of, azimuth)) for of in self.azimuths]
+            own = [hole for hole in self.holes if hole.arm == away.index(min(away))]
+        found: dict[str, Any] = {}
+        for n, name in enumerate(("first", "second")):
+            found[f"plate_{{k}}_{name}_mm"] = own[n].distance if own else None
+            found[f"plate_{{k}}_{name}_up_mm"] = own[n].z - self.z0 if own else None
+        return found
 
 
 def _ring(radius: float | Floats, azimuth: Floats, z: Floats) -> Floats:

@@ -119,7 +119,10 @@ def test_generated_nets_take_a_scale_but_no_other_unit(tmp_path: Path) -> None:
         (NET + '[beam]\nbolt = "none"\n', [":5:", "[beam] bolt", 'kind = "welded"']),
         (NET + '[connection]\nkind = "stud"\nbolt = "M13"\n', [":6:", "M13", "M12"]),
         (NET + '[connection]\nkind = "studd"\n', [":5:", "did you mean stud?"]),
-        (NET + '[connection]\nbolt = "M16"\n', ["bolt is for bolted connections"]),
+        (
+            NET + '[connection]\nbolt = "M16"\n',
+            ['for kind = "stud" or "bolted_tongue", not for "welded"'],
+        ),
         (NET + "[connection]\nweld_mm = 2\n", [":5:", "= 2", "greater than or equal to 3"]),
         (NET + '[panel]\nedge = "mitered"\n', ['"mitred"', "did you mean"]),
         (NET + "[panel]\nmax_size_mm = [1]\n", ["too few values"]),

@@ -15,12 +15,12 @@ from fabrication.gridshell.schedules.common import (
     NUMBER,
     Masses,
     Row,
+    details_of,
     instances_of,
     relative_frame,
 )
-from fabrication.parts.beam import BEAM, BeamShape
-from fabrication.specs import Family, Shape
-from fabrication.standards.profiles import z_range
+from fabrication.parts.beam import BEAM
+from fabrication.specs import Family
 
 LEGEND: Final = Legend(
     title="Beams",
@@ -123,13 +123,14 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             "profile": None,
             "length_axis_mm": beam.length_axis,
             "length_cut_mm": None,
-            **_lengths(family.shape),
+            "length_top_mm": None,
+            "length_bottom_mm": None,
             "mitre_start_deg": None,
             "mitre_end_deg": None,
             "torsion_deg": float(np.degrees(beam.torsion)),
             **torsion,
-            **_studs(family.shape),
-            **_slots(family.shape, gridshell.joined.tongue),
+            **details_of(family.shape),
+            **_slots(gridshell.joined.tongue),
             "mass_kg": masses[family.number],
             "panel_left": panels[0],
             "panel_right": panels[1],
@@ -142,20 +143,9 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
     return [rows[beam.mark] for beam in gridshell.beams]
 
 
-def _lengths(shape: Shape) -> Row:
-    """From cut to cut at the top and the bottom of the profile."""
-    if not isinstance(shape, BeamShape):
-        return {}
-    low, high = z_range(shape.profile)
-    return {
-        f"length_{name}_mm": shape.end.x - shape.start.x + z * (shape.end.slope - shape.start.slope)
-        for name, z in (("top", high), ("bottom", low))
-    }
-
-
-def _slots(shape: Shape, tongue: Tongue | None) -> Row:
+def _slots(tongue: Tongue | None) -> Row:
     """Slots and their holes, alike at both ends of all beams."""
-    if tongue is None or not isinstance(shape, BeamShape):
+    if tongue is None:
         return {}
     return {
         "slot_width_mm": tongue.slot,
@@ -164,19 +154,3 @@ def _slots(shape: Shape, tongue: Tongue | None) -> Row:
         "slot_first_hole_mm": tongue.steps[0],
         "slot_second_hole_mm": tongue.steps[1],
     }
-
-
-def _studs(shape: Shape) -> Row:
-    """Holes through the ends, and the openings behind them."""
-    found: Row = {}
-    if not isinstance(shape, BeamShape):
-        return found
-    for name, cut in (("start", shape.start), ("end", shape.end)):
-        if cut.stud is not None:
-            low = z_range(shape.profile)[0]
-            found[f"hole_{name}_up_mm"] = cut.stud.z - low
-            found[f"hole_{name}_diameter_mm"] = cut.stud.diameter
-            found[f"plate_{name}_mm"] = cut.stud.plate
-            found[f"opening_{name}_mm"] = cut.stud.length
-            found[f"opening_{name}_height_mm"] = cut.stud.height
-    return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from fabrication.parts.beam import BEAM
 from fabrication.parts.fastener import FASTENER
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
-from fabrication.specs import Family, Instance, Kind
+from fabrication.specs import Family, Instance, Kind, Shape
 from fabrication.standards import mass_kg
 from fabrication.standards.fasteners import steel_density
 
@@ -44,6 +44,41 @@ def family_masses(families: Sequence[Family], project: Project) -> dict[str, flo
     return {
         family.number: mass_kg(volume_of(family.shape), density[family.role]) for family in families
     }
+
+
+@runtime_checkable
+class Detailed(Protocol):
+    """A shape that has more for the list of its kind than its dimensions."""
+
+    def details(self) -> Mapping[str, Any]:
+        """Values by column; names end in their units."""
+        ...
+
+
+@runtime_checkable
+class WithArms(Protocol):
+    """The shape of a node that has something for each of its arms."""
+
+    def arm(self, azimuth: float | None) -> Mapping[str, Any]:
+        """Values of the arm in a direction [rad] from the mark, by column with {k} for its number.
+
+        None in every column where there is no arm.
+        """
+        ...
+
+
+@runtime_checkable
+class FromStock(Protocol):
+    """A shape that is sawn from a bar."""
+
+    def stock(self) -> tuple[str, float]:
+        """Name of the bar, and the length to saw [mm]."""
+        ...
+
+
+def details_of(shape: Shape) -> Mapping[str, Any]:
+    """What a shape has for the list of its kind, beside its dimensions."""
+    return shape.details() if isinstance(shape, Detailed) else {}
 
 
 def instances_of(families: Sequence[Family], kind: Kind) -> Iterator[tuple[Family, Instance]]:

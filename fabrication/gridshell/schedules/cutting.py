@@ -7,10 +7,10 @@ from typing import Final
 
 from fabrication.cutting import Bar, Stock, cut_from_stock
 from fabrication.formats.tables import Legend
-from fabrication.gridshell.schedules.common import Row, instances_of
+from fabrication.gridshell.schedules.common import FromStock, Row, instances_of
 from fabrication.parts.beam import BEAM
-from fabrication.parts.node import NODE, NodeShape
-from fabrication.specs import Family, Profile, Role, Shape
+from fabrication.parts.node import NODE
+from fabrication.specs import Family, Profile, Role
 from fabrication.standards.profiles import stock_lengths
 
 BARS: Final = Legend(
@@ -80,7 +80,8 @@ def cut_rows(
     pieces: dict[tuple[Role, str], list[tuple[str, float]]] = {}
     for kind in (BEAM, NODE):
         for family, instance in instances_of(families, kind):
-            if cut := _cut_of(family.shape):
+            if isinstance(family.shape, FromStock):
+                cut = family.shape.stock()
                 profile, length = cut
                 pieces.setdefault((kind.role, profile), []).append((instance.mark, length))
     bars, bought = [], []
@@ -107,20 +108,6 @@ def cut_rows(
                 }
             )
     return bars, bought
-
-
-def _cut_of(shape: Shape) -> tuple[str, float] | None:
-    """Name of the bar that a part is cut from, and the length to saw; None where it is no bar."""
-    about = shape.dimensions()
-    if "profile" in about and "length_cut_mm" in about:
-        return str(about["profile"]), float(about["length_cut_mm"])
-    if isinstance(shape, NodeShape):
-        wall = shape.radius - shape.bore
-        name = (
-            f"tube {2 * shape.radius:g}x{wall:g}" if shape.bore else f"round {2 * shape.radius:g}"
-        )
-        return name, shape.z1 - shape.z0
-    return None
 
 
 def _bar_row(profile: str, bar: Bar, found: Sequence[tuple[str, float]]) -> Row:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, Final, TypeVar
+from collections.abc import Iterable, Sequence
+from typing import Any, Final
 
 import numpy as np
 
@@ -15,18 +15,13 @@ from fabrication.gridshell.schedules.common import (
     NUMBER,
     Masses,
     Row,
+    WithArms,
+    details_of,
     instances_of,
     relative_frame,
 )
-from fabrication.parts.node import NODE, NodeShape
-from fabrication.parts.node.shape import RadialHole, Seat
-from fabrication.parts.star import StarShape, TongueHole
+from fabrication.parts.node import NODE
 from fabrication.specs import Family, Instance, Shape
-
-NEAR: Final = 0.1
-"""Greatest difference of the azimuths [rad] of an arm and its seat: far less than between arms."""
-
-F = TypeVar("F", Seat, RadialHole)
 
 FULL_TURN: Final = 1e-9
 """An azimuth this near [rad] below a full turn is 0."""
@@ -101,7 +96,7 @@ def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             "axis_z": axis[2],
             "diameter_mm": None,
             "height_mm": None,
-            **_ends(family.shape),
+            **details_of(family.shape),
             "mass_kg": masses[family.number],
         }
         arms = _arms_from_mark(node, instance)
@@ -110,7 +105,7 @@ def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             row[f"beam_{k + 1}"] = arm.beam if arm else None
             row[f"azimuth_{k + 1}_deg"] = None if azimuth is None else float(np.degrees(azimuth))
             row[f"elevation_{k + 1}_deg"] = float(np.degrees(arm.elevation)) if arm else None
-            row |= _arm(family.shape, k + 1, azimuth)
+            row |= {name.format(k=k + 1): value for name, value in _arm(family.shape, azimuth)}
         rows[node.mark] = {**row, **family.shape.dimensions()}
     return [rows[node.mark] for node in gridshell.nodes]
 
@@ -130,55 +125,6 @@ def _arms_from_mark(node: Node, instance: Instance) -> list[tuple[float, Any]]:
     return [(float(a), node.arms[k]) for a, k in zip(azimuths, order, strict=True)]
 
 
-def _ends(shape: Shape) -> Row:
-    """Where the ends of the bar and its mark are."""
-    if not isinstance(shape, NodeShape | StarShape):
-        return {}
-    mark = {} if shape.mark is None else {"mark_radius_mm": shape.mark.x}
-    return {"above_mm": shape.z1, "below_mm": -shape.z0, **mark}
-
-
-def _plate(shape: StarShape, k: int, azimuth: float | None) -> Row:
-    """The holes of an arm's plate, from the axis outwards."""
-    own: list[TongueHole] = []
-    if azimuth is not None:
-        away = np.array(shape.azimuths) - azimuth
-        arm = int(np.abs(np.remainder(away + np.pi, 2 * np.pi) - np.pi).argmin())
-        own = [hole for hole in shape.holes if hole.arm == arm]
-    found: Row = {}
-    for n, name in enumerate(("first", "second")):
-        found[f"plate_{k}_{name}_mm"] = own[n].distance if own else None
-        found[f"plate_{k}_{name}_up_mm"] = own[n].z - shape.z0 if own else None
-    return found
-
-
-def _arm(shape: Shape, k: int, azimuth: float | None) -> Row:
-    """Seat and hole of an arm, or the holes of its plate; None where it has none."""
-    if isinstance(shape, StarShape):
-        return _plate(shape, k, azimuth)
-    if not isinstance(shape, NodeShape):
-        return {}
-    found: Row = {}
-    if shape.seats:
-        seat = _nearest(shape.seats, azimuth)
-        found[f"seat_{k}_mm"] = seat.distance if seat else None
-        found[f"seat_depth_{k}_mm"] = shape.radius - seat.distance if seat else None
-        found[f"seat_width_{k}_mm"] = seat.width if seat else None
-    if shape.holes:
-        hole = _nearest(shape.holes, azimuth)
-        found[f"hole_{k}_mm"] = hole.z - shape.z0 if hole else None
-        found[f"hole_{k}_diameter_mm"] = hole.diameter if hole else None
-        found[f"hole_{k}_depth_mm"] = hole.depth if hole else None
-    return found
-
-
-def _nearest(features: Sequence[F], azimuth: float | None) -> F | None:
-    """The seat or hole in a direction; None where there is none within a family's tolerance."""
-    if azimuth is None:
-        return None
-
-    def off(feature: F) -> float:
-        return abs(float(np.remainder(feature.azimuth - azimuth + np.pi, 2 * np.pi) - np.pi))
-
-    best = min(features, key=off)
-    return best if off(best) <= NEAR else None
+def _arm(shape: Shape, azimuth: float | None) -> Iterable[tuple[str, Any]]:
+    """What the shape has for the arm in a direction: columns with {k} for its number."""
+    return shape.arm(azimuth).items() if isinstance(shape, WithArms) else ()

@@ -22,7 +22,7 @@ from fabrication.gridshell.schedules.common import (
 )
 from fabrication.parts.panel import PANEL, PanelShape
 from fabrication.solids.polygon import side_vectors
-from fabrication.specs import Family, Instance, Shape
+from fabrication.specs import Family, Instance
 
 SIZE_STEP_MM: Final = 100.0
 """Sizes of panes are grouped by rectangles of whole steps [mm]."""
@@ -91,7 +91,7 @@ def panel_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses)
     rows = {}
     for family, instance in instances_of(families, PANEL):
         panel = pieces[instance.mark]
-        shape = family.shape
+        shape = pieces[family.instances[0].mark].shape  # the family's own
         row: Row = {
             "mark": panel.mark,
             "number": family.number,
@@ -109,15 +109,15 @@ def panel_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses)
             "planarity_class": panel.planarity_class,
             **_diagonals(shape),
         }
-        first = _first_side(panel, instance, pieces[family.instances[0].mark].shape)
-        bevels = _bevels(shape) if isinstance(shape, PanelShape) else None
+        first = _first_side(panel, instance, shape)
+        bevels = _bevels(shape)
         for k in range(widest):
             present = k < len(panel.sides)
             side = panel.sides[(first + k) % len(panel.sides)] if present else None
             row[f"edge_{k + 1}_mm"] = None
             row[f"angle_{k + 1}_deg"] = None
             if settings.edge == "mitred":
-                row[f"bevel_{k + 1}_deg"] = bevels[k] if bevels and present else None
+                row[f"bevel_{k + 1}_deg"] = bevels[k] if present else None
             row[f"edge_work_{k + 1}"] = _work(side, settings) if side else None
             if settings.step_mm > 0:
                 row[f"step_{k + 1}_mm"] = _step(side, settings) if side else None
@@ -150,10 +150,8 @@ def _step(side: Side, settings: PanelSettings) -> float:
     return settings.step_mm if side.neighbour is None else 0.0
 
 
-def _diagonals(shape: Shape) -> Row:
+def _diagonals(shape: PanelShape) -> Row:
     """Both diagonals of the outer surface of a quad, which fix it beside its sides."""
-    if not isinstance(shape, PanelShape):
-        return {}
     corners = shape.outer
     quad = len(corners) == _QUAD
     ends = {"diagonal_13_mm": (0, 2), "diagonal_24_mm": (1, 3)}

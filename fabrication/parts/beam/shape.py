@@ -13,6 +13,7 @@ from fabrication.parts.beam.boundary import beam_geometry
 from fabrication.parts.beam.congruence import beam_key, beam_variants, fibre_ends
 from fabrication.parts.beam.volume import beam_volume
 from fabrication.specs import Kind, Profile
+from fabrication.standards.profiles import z_range
 from fabrication.variants import Variants
 
 BEAM: Final = Kind(
@@ -134,3 +135,25 @@ class BeamShape:
             found["skew_start_deg"] = float(np.degrees(-np.arctan(self.start.skew)))
             found["skew_end_deg"] = float(np.degrees(np.arctan(self.end.skew)))
         return found
+
+    def details(self) -> dict[str, Any]:
+        """From cut to cut at the top and the bottom of the profile; holes through the ends."""
+        low, high = z_range(self.profile)
+        slope = self.end.slope - self.start.slope
+        found: dict[str, Any] = {
+            f"length_{name}_mm": self.end.x - self.start.x + z * slope
+            for name, z in (("top", high), ("bottom", low))
+        }
+        for name, cut in (("start", self.start), ("end", self.end)):
+            if cut.stud is not None:
+                found[f"hole_{name}_up_mm"] = cut.stud.z - low
+                found[f"hole_{name}_diameter_mm"] = cut.stud.diameter
+                found[f"plate_{name}_mm"] = cut.stud.plate
+                found[f"opening_{name}_mm"] = cut.stud.length
+                found[f"opening_{name}_height_mm"] = cut.stud.height
+        return found
+
+    def stock(self) -> tuple[str, float]:
+        """Name of the bar that it is sawn from, and the length to saw [mm]."""
+        about = self.dimensions()
+        return str(about["profile"]), float(about["length_cut_mm"])

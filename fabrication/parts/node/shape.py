@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import Any, Final, Protocol, Self, TypeVar
 
 from fabrication.boundary import Boundary, Cut
 from fabrication.parts.node.boundary import node_geometry
@@ -22,6 +23,9 @@ NODE: Final = Kind(
     finish="bright",
     form="joint",
 )
+
+NEAR: Final = 0.1
+"""Greatest difference of the azimuths [rad] of an arm and its seat: far less than between arms."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +52,9 @@ class RadialHole:
     z: float
     diameter: float
     depth: float | None
+
+
+_F = TypeVar("_F", Seat, RadialHole)
 
 
 @dataclass(frozen=True)
@@ -96,3 +103,59 @@ class NodeShape:
     def dimensions(self) -> dict[str, Any]:
         """Diameter and height."""
         return {"diameter_mm": 2 * self.radius, "height_mm": self.z1 - self.z0}
+
+    def details(self) -> dict[str, Any]:
+        """Where its ends and the mark are."""
+        return ends_of(self)
+
+    def arm(self, azimuth: float | None) -> dict[str, Any]:
+        """Seat and hole of the arm in a direction [rad]; None in every column where none is."""
+        found: dict[str, Any] = {}
+        if self.seats:
+            seat = _nearest(self.seats, azimuth)
+            found["seat_{k}_mm"] = seat.distance if seat else None
+            found["seat_depth_{k}_mm"] = self.radius - seat.distance if seat else None
+            found["seat_width_{k}_mm"] = seat.width if seat else None
+        if self.holes:
+            hole = _nearest(self.holes, azimuth)
+            found["hole_{k}_mm"] = hole.z - self.z0 if hole else None
+            found["hole_{k}_diameter_mm"] = hole.diameter if hole else None
+            found["hole_{k}_depth_mm"] = hole.depth if hole else None
+        return found
+
+    def stock(self) -> tuple[str, float]:
+        """Name of the bar that it is sawn from, and the length to saw [mm]."""
+        name = f"round {2 * self.radius:g}"
+        if self.bore:
+            name = f"tube {2 * self.radius:g}x{self.radius - self.bore:g}"
+        return name, self.z1 - self.z0
+
+
+class _Upright(Protocol):
+    """A node that stands about z, with a mark in its top end."""
+
+    @property
+    def z0(self) -> float: ...
+    @property
+    def z1(self) -> float: ...
+    @property
+    def mark(self) -> ReferenceMark | None: ...
+
+
+def ends_of(shape: _Upright) -> dict[str, Any]:
+    """From the vertex to both ends, and from the axis to the mark, as schedules list them."""
+    mark = {} if shape.mark is None else {"mark_radius_mm": shape.mark.x}
+    return {"above_mm": shape.z1, "below_mm": -shape.z0, **mark}
+
+
+def _nearest(features: Sequence[_F], azimuth: float | None) -> _F | None:
+    """The seat or hole in a direction; None where there is none within a family's tolerance."""
+    if azimuth is None:
+        return None
+    best = min(features, key=lambda feature: abs(turn_between(feature.azimuth, azimuth)))
+    return best if abs(turn_between(best.azimuth, azimuth)) <= NEAR else None
+
+
+def turn_between(one: float, other: float) -> float:
+    """From one azimuth to another [rad], at most half a turn either way."""
+    return math.remainder(other - one, 2.0 * math.pi)

@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Final, Self
 
 from fabrication.parts.beam import StudEnd
 from fabrication.parts.fastener import FastenerShape
 from fabrication.specs import Profile
+from fabrication.standards.fasteners import Fastener
 
 if TYPE_CHECKING:
     from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
     from fabrication.gridshell.project import Project
+
+BOLTED: Final = ("bolt", "plate_mm", "fasteners")
+"""Keys of [connection] that all bolted kinds have."""
+
+PLATE_STEP: Final = 5.0
+"""Plates [mm] are multiples of this where the project names none: as thick as the bolt or more."""
+
+
+def usual_plate(size: Fastener) -> float:
+    """Thickness [mm] of a plate that the project does not name."""
+    return PLATE_STEP * math.ceil(size.diameter / PLATE_STEP)
 
 
 @dataclass(frozen=True)
@@ -104,7 +117,7 @@ class Connection(ABC):
 
     Attributes
     ----------
-    keys : keys of [connection] that other kinds do not have
+    keys : keys of [connection] that not all kinds have
     """
 
     keys: ClassVar[Sequence[str]] = ()

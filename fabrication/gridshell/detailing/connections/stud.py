@@ -15,10 +15,12 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from fabrication.gridshell.detailing.connections.base import (
+    BOLTED,
     Connection,
     Drilling,
     Joined,
     Mounted,
+    usual_plate,
 )
 from fabrication.gridshell.detailing.frames import beam_mark, listed, node_mark
 from fabrication.parts.beam import StudEnd
@@ -39,9 +41,6 @@ from fabrication.standards.profiles import z_range
 if TYPE_CHECKING:
     from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
     from fabrication.gridshell.project import Project
-
-PLATE_STEP: Final = 5.0
-"""Plates [mm] are multiples of this where the project names none: as thick as the bolt or more."""
 
 OPENING_STEP: Final = 5.0
 """Openings [mm] are as long as the fastener, and this or more."""
@@ -71,7 +70,7 @@ class Stud(Connection):
     clearance: float
     thread: float | None = None
 
-    keys: ClassVar[tuple[str, ...]] = ("fastener", "thread_mm")
+    keys: ClassVar[tuple[str, ...]] = (*BOLTED, "fastener", "thread_mm")
 
     @classmethod
     def of(cls, project: Project) -> Self:
@@ -79,7 +78,7 @@ class Stud(Connection):
         settings, size = project.connection, fastener(project.connection.bolt)
         plate = settings.plate_mm
         if plate == "auto":
-            plate = _usual_plate(size)
+            plate = usual_plate(size)
         thread = None if settings.thread_mm == "auto" else settings.thread_mm
         return cls(size, settings.fastener, plate, project.beam.clearance_mm, thread)
 
@@ -223,15 +222,10 @@ class Stud(Connection):
             )
 
 
-def _usual_plate(size: Fastener) -> float:
-    """Thickness [mm] of a plate that the project does not name."""
-    return PLATE_STEP * math.ceil(size.diameter / PLATE_STEP)
-
-
 def _least_bar(size: Fastener, slope: float) -> tuple[float, float]:
     """Width and depth [mm] of a flat bar that takes a size at both ends of all beams."""
     wide = 2.0 * max(size.edge, 0.5 * size.washer[1])
-    shift = (_usual_plate(size) + 0.25 * size.wrench) * slope / math.hypot(1.0, slope)
+    shift = (usual_plate(size) + 0.25 * size.wrench) * slope / math.hypot(1.0, slope)
     return wide, size.wrench + 2.0 * (size.diameter + shift)
 
 

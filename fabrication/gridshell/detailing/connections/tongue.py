@@ -8,16 +8,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Self
+from typing import TYPE_CHECKING, ClassVar, Final, Self
 
 import numpy as np
 
 from ddgfab.errors import DetailError
 from fabrication.gridshell.detailing.connections.base import (
+    BOLTED,
     Connection,
     Joined,
     Mounted,
     Tongue,
+    usual_plate,
 )
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
 from fabrication.parts.beam.slot import bar_sides
@@ -59,13 +61,15 @@ class BoltedTongue(Connection):
     plate: float
     clearance: float
 
+    keys: ClassVar[tuple[str, ...]] = BOLTED
+
     @classmethod
     def of(cls, project: Project) -> Self:
         """The one of a project."""
         size = fastener(project.connection.bolt)
         plate = project.connection.plate_mm
         if plate == "auto":
-            plate = STEP * math.ceil(size.diameter / STEP)
+            plate = usual_plate(size)
         return cls(size, plate, project.beam.clearance_mm)
 
     def _least(self, profile: Profile) -> float:
@@ -128,7 +132,7 @@ class BoltedTongue(Connection):
                 size.size
                 for size in fasteners()
                 if size.diameter < self.size.diameter
-                and not _misfit(size, _plate(size), self.clearance, joints.profile)
+                and not _misfit(size, usual_plate(size), self.clearance, joints.profile)
             ]
             advice = f'[connection] bolt = "{fits[-1]}"' if fits else "another profile"
             wide = 2.0 * (self.plate + self.clearance)
@@ -176,11 +180,6 @@ class BoltedTongue(Connection):
             end_length=tongue.depth * stretch + lean,
             tongue=tongue,
         )
-
-
-def _plate(size: Fastener) -> float:
-    """Thickness [mm] of a tongue that the project does not name."""
-    return STEP * math.ceil(size.diameter / STEP)
 
 
 def _misfit(size: Fastener, plate: float, clearance: float, profile: Profile) -> str:
