@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-import struct
 import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -14,6 +12,7 @@ from typing import ClassVar, Final
 
 from ddgfab.errors import OutputError, clipped
 from ddgfab.io.atomic import atomic_write
+from fabrication.formats.archive import UNREADABLE
 from fabrication.formats.base import Format, Title, Whole
 from fabrication.formats.dates import epoch_time
 from fabrication.formats.tables import SCHEDULES, Legend, Row, columns_of
@@ -36,12 +35,6 @@ LONGEST_PROPERTY: Final = 255
 
 _EPOCH: Final = datetime(2000, 1, 1)
 """The date of creation where neither the project nor SOURCE_DATE_EPOCH has one."""
-
-_UNREADABLE: Final = (
-    *(OSError, zipfile.BadZipFile, zlib.error, KeyError, ValueError, EOFError),
-    *(NotImplementedError, RuntimeError, struct.error),
-)
-"""What an archive that is damaged comes to."""
 
 
 class Xlsx(Format):
@@ -71,13 +64,13 @@ class Xlsx(Format):
         return []
 
     def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
-        """Read back: a sheet a schedule with as many rows, its header, and its totals."""
+        """Read back: a sheet a schedule with header, as many rows, and sums where it has any."""
         checks = []
         for place, (name, rows) in enumerate((whole.tables or {}).items(), 2):
             try:
                 with zipfile.ZipFile(folder / WORKBOOK) as book:
                     sheet = book.read(f"xl/worksheets/sheet{place}.xml")
-            except _UNREADABLE as error:
+            except UNREADABLE as error:
                 checks.append(Check(f"xlsx {name} readable", False, clipped(error)))
                 continue
             found = len(re.findall(rb"<row ", sheet))

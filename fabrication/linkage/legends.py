@@ -7,14 +7,13 @@ from typing import Final
 from fabrication.formats.tables import Legend
 
 CONVENTIONS: Final = (
-    "A link runs from its start, the first hinge of its bar, to its end. Twists turn the axis "
-    "at the "
-    "start into that at the end about the direction from start to end: positive is right-handed.",
+    "A link runs from its start, the first hinge of its bar, to its end. Twists turn the axis at "
+    "the start into that at the end about the direction from start to end: positive is "
+    "right-handed.",
     "Angles at a hinge are counted about its axis, counterclockwise as seen against it, from the "
     "hinge's bar of the lowest number, in the design pose.",
-    "Parts are put on a pin from its head upwards, along the axis of the hinge; order and "
-    "heights are "
-    "in the sheet Assembly. Up is along the axis.",
+    "Parts are put on a pin from its head upwards, along the axis of the hinge; order and heights "
+    "are in the sheet Assembly. Up is along the axis.",
     "Masses are those of solid parts: prints with infill weigh less.",
 )
 """How signs, sides and counts go."""

@@ -118,7 +118,8 @@ def read_toml(file: Path) -> tuple[dict[str, Any], str]:
         advice = advice_for(lines[line - 1])
         reason = re.sub(r"\s*\(at [^)]*\)$", "", str(error))
         at = "" if column is None else f" (column {column})"
-        message = f"is not TOML: {reason}{at}" + (f"\n{clipped(advice, 200)}" if advice else "")
+        message = f"is not TOML: {reason}{at}"
+        message += "".join(f"\n{clipped(part, 200)}" for part in advice.splitlines())
         raise ProjectError(message, file=name, line=line) from None
 
 

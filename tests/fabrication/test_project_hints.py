@@ -56,6 +56,16 @@ def test_the_line_as_it_is_meant(line: str, tmp_path: Path) -> None:
     tomllib.loads(LINES[line])  # what is advised can be read
 
 
+def test_advice_of_two_lines_keeps_them(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text('[net]\nfile = "C:\\Users\\ann"\n')
+    with pytest.raises(ProjectError) as caught:
+        load_project(path)
+    *_, advice, line = str(caught.value).split("\n")
+    assert advice.startswith("backslashes ")
+    assert line == r"file = 'C:\Users\ann'"
+
+
 def test_backslashes_that_are_valid_escapes(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text('[net]\nkind = "mesh"\nfile = "C:\\temp\\new.obj"\n')

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import struct
 import zipfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -17,6 +16,7 @@ import numpy as np
 from ddgfab.errors import InputError, clipped
 from ddgfab.io.regular import read_regular
 from ddgfab.mesh import Floats, Ints
+from fabrication.formats.archive import UNREADABLE
 from fabrication.formats.threemf.write import DECIMALS, Body3MF
 from fabrication.specs import Check, Placement, TriangleMesh
 
@@ -109,7 +109,7 @@ def _require_small(path: Path) -> None:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
-    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError, struct.error) as error:
+    except UNREADABLE as error:
         text = f"not a readable 3MF file (no archive: {clipped(error)})"
         raise InputError(text, file=str(path)) from error
     if size > LIMIT_BYTES:

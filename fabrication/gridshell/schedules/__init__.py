@@ -38,26 +38,20 @@ from fabrication.table import Table
 CONVENTIONS: Final = (
     "Outside is where the node axes point: the side of the panes that the weather sees.",
     "Sides of a pane are counted counterclockwise as seen from outside; corner 1 begins side 1, "
-    "angle "
-    "k is at corner k. Sides, angles and diagonals are those of the outer surface at sharp "
+    "angle k is at corner k. Sides, angles and diagonals are those of the outer surface at sharp "
     "corners.",
     "The mark of a pane goes on its outside face at corner 1, so that side 1 is found on site.",
     "A beam runs from its start to its end; left and right, and top, are as seen along it with "
-    "outside "
-    "up. A mitre is positive where the beam is longer at the top, at both ends alike.",
-    "A node is seen on its top end, from outside: a blind hole there marks azimuth 0, and azimuths "
-    "and arms are counted counterclockwise from it. Elevations are positive outwards.",
+    "outside up. A mitre is positive where the beam is longer at the top, at both ends alike.",
+    "A node is seen on its top end, from outside: a blind hole there marks azimuth 0, and "
+    "azimuths and arms are counted counterclockwise from it. Elevations are positive outwards.",
     "In part files a beam begins with x = 0 at the start's cut, at the top of the profile, x runs "
-    "to "
-    "its end, z up; z of a node is its axis, x points to the mark; z of a pane points outwards, "
-    "its "
-    "inner surface is at z = 0.",
+    "to its end, z up; z of a node is its axis, x points to the mark; z of a pane points "
+    "outwards, its inner surface is at z = 0.",
     "A welded beam stands with its cut at the seat, the clearance between; a stud goes through a "
-    "hole "
-    "in the cut, on the axis of the thread in the node.",
+    "hole in the cut, on the axis of the thread in the node.",
     "Rejected pieces are beyond a limit or failed a check: they are in the lists and their "
-    "totals, and "
-    "must not be ordered.",
+    "totals, and must not be ordered.",
 )
 """How signs, sides and counts go."""
 

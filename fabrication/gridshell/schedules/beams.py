@@ -40,17 +40,15 @@ LEGEND: Final = Legend(
         "positive where the beam is longer at the top",
         "mitre_end_deg": "the same at the end, with the same sign: positive is longer at the top",
         "skew_start_deg": "angle between the start's cut and a square one, seen from above; "
-        "positive "
-        "where the beam is longer on its left, looking from start to end: with a mitre a compound "
-        "cut",
+        "positive where the beam is longer on its left, looking from start to end: with a mitre a "
+        "compound cut",
         "skew_end_deg": "the same at the end, with the same sign: positive is longer on the left",
         "roll_start_deg": "angle from the beam's own upright to the axis of the start's node, "
-        "positive "
-        "to the left, looking from start to end",
+        "positive to the left, looking from start to end",
         "roll_end_deg": "the same for the node at the end",
         "hole_start_up_mm": "where the axis of the hole in the start's cut leaves it: height "
-        "above the "
-        "bottom of the profile; the axis is square to the cut, in the middle of the width",
+        "above the bottom of the profile; the axis is square to the cut, in the middle of the "
+        "width",
         "hole_start_diameter_mm": "diameter of that hole",
         "plate_start_mm": "thickness of the plate, or of the solid end, that the hole goes through",
         "opening_start_mm": "length along the beam of the opening behind it",
@@ -73,8 +71,7 @@ LEGEND: Final = Legend(
         "boundary",
         "panel_right": "pane on the right",
         "offset_start_mm": "from the axis of the node at the start to the cut, along the top of "
-        "the "
-        "profile; with length_top_mm and offset_end_mm the length from axis to axis",
+        "the profile; with length_top_mm and offset_end_mm the length from axis to axis",
         "offset_end_mm": "the same at the end",
         "connection": "how its ends are joined to the nodes",
         "weld_mm": "throat thickness of the fillet weld round the ends; empty: not welded",

@@ -19,8 +19,7 @@ BARS: Final = Legend(
     meanings={
         "profile": "cross-section of the bar; of nodes round or tube, with the diameter",
         "stock_mm": "length of the bar as it is bought; empty: no stock is long enough for the "
-        "beam, "
-        "to be spliced or ordered by length",
+        "beam, to be spliced or ordered by length",
         "quantity": "how many pieces come out of the bar",
         "used_mm": "lengths to saw of these pieces, over all; bars are cut square, mitres after it",
         "rest_mm": "what is left of the bar after its cuts and the trim of both ends",
@@ -43,8 +42,7 @@ STOCK: Final = Legend(
         "bought_mm": "length of all these bars",
         "waste_percent": "what is bought and not used, of what is bought",
         "least_bars": "fewest bars of the longest stock from which all beams of the profile could "
-        "be "
-        "cut (bound of Martello and Toth 1990), whatever the order of cuts",
+        "be cut (bound of Martello and Toth 1990), whatever the order of cuts",
     },
     totals=("bars", "quantity", "used_mm", "bought_mm"),
 )

@@ -22,15 +22,13 @@ LEGEND: Final = Legend(
         "panel_left": "pane on the left of the beam, looking from its start to its end",
         "panel_right": "pane on the right",
         "dihedral_deg": "angle between the two panes: 0 where they are flush, positive where the "
-        "joint "
-        "is convex as seen from outside; empty at the boundary",
+        "joint is convex as seen from outside; empty at the boundary",
         "gap_mm": "gap between the panes, by the project",
         "inner_left_mm": "side of the left pane at its inner surface: length of the gasket inside",
         "inner_right_mm": "the same of the right pane",
         "gasket_mm": "inner gaskets of the joint: the sides of both panes together",
         "clamp_mm": "length along which both panes can be clamped: the shorter of their outer "
-        "sides; "
-        "at the boundary the one pane's",
+        "sides; at the boundary the one pane's",
         "cap_mm": "pressure cap outside: the longer of the outer sides, to be fitted at the nodes",
         "marks": "the panes of the joint",
     },

@@ -53,8 +53,7 @@ LEGEND: Final = Legend(
         "looking at the top end from outside",
         "elevation_{k}_deg": "rise of beam {k} above the plane across the axis, positive outwards",
         "seat_{k}_mm": "from the axis to the flat milled at azimuth {k}, which is parallel to the "
-        "axis "
-        "and runs along the whole height",
+        "axis and runs along the whole height",
         "seat_depth_{k}_mm": "how deep that flat is milled into the cylinder: radius less seat {k}",
         "seat_width_{k}_mm": "width of that flat",
         "hole_{k}_mm": "height of the center of the radial hole of arm {k} above the bottom end",

@@ -55,26 +55,24 @@ LEGEND: Final = Legend(
         "thickness_mm": "thickness of all of it",
         "width_mm": "smaller side of the least rectangle round the pane, both surfaces",
         "height_mm": "larger side of the least rectangle round the pane, both surfaces",
-        "corner_radius_mm": "radius that all corners are rounded with; 0: sharp corners. Sides and "
-        "diagonals go to the sharp corners, where the sides' lines meet",
+        "corner_radius_mm": "radius that all corners are rounded with; 0: sharp corners. Sides "
+        "and diagonals go to the sharp corners, where the sides' lines meet",
         "planarity_mm": "greatest distance of a corner of the mesh face from its best plane",
         "planarity_class": "flat; cold-bend: bent into place; reject: too far from a plane",
         "diagonal_13_mm": "outer surface, from corner 1 to corner 3",
         "diagonal_24_mm": "outer surface, from corner 2 to corner 4",
         "edge_{k}_mm": "length of side {k} at the outer surface, from corner {k} to the next; "
-        "sides "
-        "are counted counterclockwise as seen from outside, corner 1 begins side 1",
+        "sides are counted counterclockwise as seen from outside, corner 1 begins side 1",
         "angle_{k}_deg": "inner angle of the pane at corner {k}, where side {k} begins",
-        "bevel_{k}_deg": "angle of the face of side {k} to a square edge, positive where the inner "
-        "surface is the larger one",
-        "edge_work_{k}": "finish of side {k}: C cut, A arrissed, G ground, S smooth ground, "
-        "P polished",
+        "bevel_{k}_deg": "angle of the face of side {k} to a square edge, positive where the "
+        "inner surface is the larger one",
+        "edge_work_{k}": "finish of side {k}: C cut, A arrissed, G ground, S smooth ground, P "
+        "polished",
         "step_{k}_mm": "how far the inner panes stand back behind the outermost one at side {k}; "
-        "the "
-        "solid is made without the step",
+        "the solid is made without the step",
         "beam_{k}": "mark of the beam under side {k}",
-        "dihedral_{k}_deg": "angle between this pane and the one beyond side {k}: 0 where they are "
-        "flush, positive where the joint is convex as seen from outside; 0 at the boundary",
+        "dihedral_{k}_deg": "angle between this pane and the one beyond side {k}: 0 where they "
+        "are flush, positive where the joint is convex as seen from outside; 0 at the boundary",
         "neighbour_{k}": "mark of the pane beyond side {k}; empty at the boundary",
     },
     totals=("area_m2", "mass_kg"),
