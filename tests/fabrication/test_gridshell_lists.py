@@ -179,6 +179,21 @@ def test_seats_of_a_node_are_its_arms() -> None:
         assert row["above_mm"] + row["below_mm"] == pytest.approx(row["height_mm"])
 
 
+def test_parts_are_described_as_what_is_ordered() -> None:
+    for sections, bar in (
+        ({}, True),
+        ({"node": {"kind": "tube", "wall_mm": 5.0}}, True),
+        (VARIANTS["stars"], False),  # plates, not a bar
+    ):
+        tables = schedules(dome().detail(**sections))
+        bars = {row["profile"] for row in tables["bars"]}
+        roles = {row["role"]: row["description"].split(",")[0] for row in tables["bom"]}
+        assert roles["beam"] in bars
+        assert (roles["node"] in bars) == bar
+        assert (roles["node"].startswith("diameter ")) != bar
+        assert roles["panel"].endswith(" x 12.0")
+
+
 def test_the_cut_list_has_every_bar_once_in_stock_that_holds_it() -> None:
     shell = dome().detail(stock={"length_mm": [6000, 3000], "kerf_mm": 4, "trim_mm": 15})
     tables = schedules(shell)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 from fabrication.formats.tables import Legend
-from fabrication.gridshell.schedules.common import NUMBER, Masses, Row
+from fabrication.gridshell.schedules.common import NUMBER, FromStock, Masses, Row
 from fabrication.gridshell.schedules.panels import SIZE_STEP_MM, rounded_up, size_class
 from fabrication.parts.panel import M2_PER_MM2, PANEL
-from fabrication.specs import Family, Role
+from fabrication.specs import Family, Role, Shape
 
 BOM: Final = Legend(
     title="Parts list",
@@ -18,8 +18,8 @@ BOM: Final = Legend(
         "number": NUMBER,
         "role": "what the part is in the structure",
         "quantity": "how many pieces there are, rejected ones included",
-        "description": "beams: profile and length to saw; nodes: diameter x length; panes: least "
-        "rectangle x thickness [mm]",
+        "description": "beams and nodes of bars: the bar and the length to saw; panes: least "
+        "rectangle x thickness; others: their dimensions [mm]",
         "material": "what it is made of: grade and treatment as the project states them",
         "unit_mass_kg": "mass of one piece",
         "mass_kg": "mass of all pieces",
@@ -57,7 +57,7 @@ def bom_rows(families: Sequence[Family], masses: Masses, material: Mapping[Role,
             "number": family.number,
             "role": family.role,
             "quantity": len(family.instances),
-            "description": described(family.shape.dimensions()),
+            "description": described(family.shape),
             "material": material.get(family.role, ""),
             "unit_mass_kg": masses[family.number],
             "mass_kg": masses[family.number] * len(family.instances),
@@ -72,20 +72,17 @@ def marks(family: Family) -> str:
     return " ".join(instance.mark for instance in family.instances)
 
 
-def described(dimensions: Mapping[str, Any]) -> str:
-    """A part in a few words, by the dimensions it has."""
-
-    def sizes(*names: str) -> str:
-        return " x ".join(f"{dimensions[name]:.1f}" for name in names)
-
+def described(shape: Shape) -> str:
+    """A part in a few words: the bar it is sawn from, or the dimensions it has."""
+    if isinstance(shape, FromStock):
+        bar, length = shape.stock()
+        return f"{bar}, {length:.1f} long"
+    dimensions = shape.dimensions()
     if "designation" in dimensions:
         return str(dimensions["designation"])
-    if "profile" in dimensions:
-        return f"{dimensions['profile']}, {dimensions['length_cut_mm']:.1f} long"
-    if "diameter_mm" in dimensions and "height_mm" in dimensions:
-        return f"round {sizes('diameter_mm', 'height_mm')}"
-    if "width_mm" in dimensions and "height_mm" in dimensions:
-        return sizes("width_mm", "height_mm", "thickness_mm")
+    sizes = ("width_mm", "height_mm", "thickness_mm")
+    if all(name in dimensions for name in sizes):
+        return " x ".join(f"{dimensions[name]:.1f}" for name in sizes)
     return ", ".join(
         f"{name.removesuffix('_mm').replace('_', ' ')} {value:.1f}"
         for name, value in dimensions.items()
