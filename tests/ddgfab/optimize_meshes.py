@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from ddgfab.grid import grid_mesh
@@ -68,3 +71,19 @@ def rotation(seed: int = 5) -> Floats:
     """A rotation of no particular axis."""
     turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
     return np.asarray(turn * np.sign(np.linalg.det(turn)))
+
+
+FLAT = 0.2
+"""Default planarity [%]."""
+
+ANY_ZIGZAG = {"zigzag_limit": np.pi}
+"""For what is said of meshes that are crumpled: 180 deg."""
+
+CASES: dict[str, tuple[Callable[[], Mesh], float, float, dict[str, Any]]] = {
+    "wavy": (lambda: wavy(16), 0.14, 0.8, ANY_ZIGZAG),
+    "dome": (lambda: dome(16), 0.03, 0.95, {}),
+    "torus": (lambda: torus(24, 0.2), 0.04, 0.98, {}),
+    "bowl of hexagons": (lambda: hexagons(9), 0.02, 0.97, {}),
+    "saddle of hexagons": (lambda: hexagons(9, (0.05, -0.05)), 0.15, 0.9, ANY_ZIGZAG),
+}
+"""Mesh, greatest mean distance [mean edges], least rise kept, limits."""

@@ -1,15 +1,13 @@
-"""optimize: what every goal promises, whatever the unit, the place and the order of a mesh."""
+"""optimize: what every goal promises, with boundaries, fixed vertices and surfaces."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from optimize_meshes import dome, hexagons, roof, rotation, torus, wavy
+from optimize_meshes import CASES, FLAT, dome, wavy
 
 from ddgfab.errors import InputError, OptimizeError
 from ddgfab.grid import grid_mesh
@@ -20,30 +18,12 @@ from ddgfab.optimize import (
     OptimizeResult,
     Step,
     TorsionFreeResult,
-    expected,
     folded_faces,
     interior_angles,
     mean_edge,
     optimize,
 )
-from ddgfab.optimize.directions import TRACE
-from ddgfab.optimize.forecast import HARMLESS, doubtful, forecast_text
 from ddgfab.optimize.report import comparison, comparison_text
-
-FLAT = 0.2
-"""Default planarity [%]."""
-
-ANY_ZIGZAG = {"zigzag_limit": np.pi}
-"""For what is said of meshes that are crumpled: 180 deg."""
-
-CASES: dict[str, tuple[Callable[[], Mesh], float, float, dict[str, Any]]] = {
-    "wavy": (lambda: wavy(16), 0.14, 0.8, ANY_ZIGZAG),
-    "dome": (lambda: dome(16), 0.03, 0.95, {}),
-    "torus": (lambda: torus(24, 0.2), 0.04, 0.98, {}),
-    "bowl of hexagons": (lambda: hexagons(9), 0.02, 0.97, {}),
-    "saddle of hexagons": (lambda: hexagons(9, (0.05, -0.05)), 0.15, 0.9, ANY_ZIGZAG),
-}
-"""Mesh, greatest mean distance [mean edges], least rise kept, limits."""
 
 
 def check(result: OptimizeResult, before: Mesh) -> None:
@@ -120,62 +100,6 @@ def test_translation_nets_with_noise_move_by_the_noise() -> None:
     assert 1e-5 < result.movement_mean < 2e-3
 
 
-# --- invariances ---------------------------------------------------------------------------------
-def assert_same(one: Mesh, two: Mesh, tolerance: float) -> None:
-    apart = np.linalg.norm(one.vertices - two.vertices, axis=1).max()
-    assert apart < tolerance * mean_edge(one)
-
-
-MESH = dome(10)
-FOUND = optimize(MESH)
-
-
-@pytest.mark.parametrize("scale", [1e-3, 1e3, 1e6])
-def test_unit_does_not_matter(scale: float) -> None:
-    found = optimize(MESH.with_vertices(scale * MESH.vertices)).mesh
-    assert_same(FOUND.mesh, found.with_vertices(found.vertices / scale), 1e-9)
-
-
-def test_place_does_not_matter() -> None:
-    shift = np.array([1e5, -2e5, 3e4])
-    found = optimize(MESH.with_vertices(MESH.vertices + shift)).mesh
-    assert_same(FOUND.mesh, found.with_vertices(found.vertices - shift), 1e-8)
-
-
-def test_rotation_does_not_matter() -> None:
-    turn = rotation()
-    found = optimize(MESH.with_vertices(MESH.vertices @ turn.T)).mesh
-    assert_same(FOUND.mesh, found.with_vertices(found.vertices @ turn), 1e-9)
-
-
-def test_reflection_does_not_matter() -> None:
-    """Mirrored, with faces the other way round so that normals stay outside."""
-    mirror = np.array([-1.0, 1.0, 1.0])
-    faces = [face[::-1] for face in MESH.faces]
-    found = optimize(Mesh.build(MESH.vertices * mirror, faces)).mesh
-    assert_same(FOUND.mesh, MESH.with_vertices(found.vertices * mirror), 1e-9)
-
-
-def test_order_of_faces_corners_and_vertices_does_not_matter() -> None:
-    rng = np.random.default_rng(3)
-    order = rng.permutation(MESH.n_vertices)
-    where = np.argsort(order)
-    faces = [np.roll(where[face], k) for k, face in enumerate(MESH.faces)]
-    shuffled = [faces[f] for f in rng.permutation(MESH.n_faces)]
-    found = optimize(Mesh.build(MESH.vertices[order], shuffled)).mesh
-    assert_same(FOUND.mesh, MESH.with_vertices(found.vertices[where]), 1e-9)
-
-
-@pytest.mark.slow
-def test_mean_distance_is_the_same_where_creases_may_form_elsewhere() -> None:
-    """On symmetric meshes rounding chooses the side of a crease; this one has no symmetry."""
-    mesh = wavy(20)
-    options: dict[str, Any] = {"distance_limit": (1.0, 3.0), **ANY_ZIGZAG}
-    one = optimize(mesh, **options)
-    turned = optimize(mesh.with_vertices(mesh.vertices @ rotation().T), **options)
-    assert turned.change.distance_mean == pytest.approx(one.change.distance_mean, rel=0.02)
-
-
 # --- boundary, fixed vertices, surfaces ----------------------------------------------------------
 def test_fixed_vertices_and_boundary() -> None:
     mesh = dome(12, 0.1)
@@ -246,111 +170,6 @@ def test_another_surface_to_stay_near_to() -> None:
     assert 0.15 < gap < 0.35
 
 
-# --- limits, prices, forecast --------------------------------------------------------------------
-def test_beyond_the_limits_the_goal_is_missed_and_the_next_option_named() -> None:
-    mesh = dome(12)
-    edge = mean_edge(mesh)
-    wide = optimize(mesh)
-    near = wide.change.distance_mean / edge
-    with pytest.raises(OptimizeError, match="mean distance from the surface") as caught:
-        optimize(mesh, distance_limit=(0.5 * near, 1.0))
-    best = caught.value.result
-    assert isinstance(best, OptimizeResult)
-    assert best.status == "missed"
-    assert best.advice == (("keep", "close"),)
-    assert 'keep = "close"' in str(caught.value)
-    limit = 0.01 * wide.movement_max
-    with pytest.raises(
-        OptimizeError, match=f"move further: max_movement = {2 * limit:.2g}"
-    ) as caught:
-        optimize(mesh, max_movement=limit)
-    assert isinstance(caught.value.result, OptimizeResult)
-    assert caught.value.result.movement_max < limit
-
-
-def followed(mesh: Mesh) -> tuple[OptimizeResult, dict[str, object]]:
-    """What comes of a mesh when all advice is followed, and that advice."""
-    options: dict[str, object] = {}
-    for _ in range(5):
-        result = optimize(mesh, throw=False, **options)  # type: ignore[arg-type]
-        if result.status == "converged":
-            break
-        assert result.advice
-        options |= dict(result.advice)
-        if TRACE in options:
-            break
-    return result, options
-
-
-def test_the_advice_helps() -> None:
-    """A sheet that crumples when kept close stays smooth when asked to."""
-    result, options = followed(wavy(16))
-    assert result.status == "converged"
-    assert options == {"keep": "fair"}
-
-
-def test_where_only_another_net_helps_a_trace_is_advised() -> None:
-    """20 x 12 cells over high waves: smooth faces flatten it, keeping the surface crumples it."""
-    mesh = roof(20, 12)
-    with pytest.raises(OptimizeError, match="% of the rise is left"):
-        optimize(mesh, keep="fair")
-    with pytest.raises(OptimizeError, match="crumpled: bends at edges") as caught:
-        optimize(mesh, keep="close")
-    assert "do not follow conjugate directions" in str(caught.value)
-    result, options = followed(mesh)
-    assert result.status == "missed"
-    assert options[TRACE] == pytest.approx(mean_edge(mesh), rel=0.01)
-
-
-def test_after_close_an_even_closer_number_is_advised() -> None:
-    """A dome whose conical net is far off: what is named next is nearer."""
-    mesh = dome(24)
-    far = [0.001, 0.002]
-    limits = {"distance_limit": (far[0], far[1]), "throw": False, **ANY_ZIGZAG}
-    first = optimize(mesh, "conical", keep="close", **limits)  # type: ignore[arg-type]
-    assert first.advice == (("keep", 0.1),)
-    second = optimize(mesh, "conical", keep=0.1, **limits)  # type: ignore[arg-type]
-    assert second.change.distance_mean < first.change.distance_mean
-    assert second.advice != first.advice
-
-
-def test_prices_fall_and_end_at_the_goal() -> None:
-    result = optimize(dome(12))
-    percent = [price.percent for price in result.prices]
-    assert len(percent) > 1
-    assert percent == sorted(percent, reverse=True)
-    assert percent[-1] <= FLAT
-    assert all(p.distance_mean <= p.distance_max <= p.movement_max + 0.05 for p in result.prices)
-
-
-@pytest.mark.parametrize("name", ["wavy", "saddle of hexagons"])
-def test_the_forecast_is_right_within_a_factor(name: str) -> None:
-    mesh = CASES[name][0]()
-    told = expected(mesh)
-    assert told is not None
-    result = optimize(mesh, **ANY_ZIGZAG)
-    found = float(result.change.from_surface.mean())
-    assert 0.5 < told.distance_mean / found < 2
-    assert told == replace(told, distance_mean=result.forecast.distance_mean)  # type: ignore[union-attr]
-
-
-def test_the_forecast_tells_which_edges_can_turn_in_the_surface() -> None:
-    """A dome off its principal directions is only slid; waves are left, and a trace is advised."""
-    smooth, waves = expected(dome(12)), expected(roof(20, 12))
-    assert smooth is not None
-    assert waves is not None
-    assert smooth.distance_mean < HARMLESS * smooth.unit
-    assert not doubtful(smooth)
-    assert "conjugate" not in forecast_text(smooth)
-    assert doubtful(waves)
-    for part in ("do not follow conjugate directions", "--retrace"):
-        assert part in forecast_text(waves)
-
-
-def test_no_forecast_for_planar_faces() -> None:
-    assert expected(optimize(dome(8), flat=0).mesh) is None
-
-
 def test_no_crooked_hexagon_passes_for_circular() -> None:
     # its angles between 0 and pi balance, but no circle goes through corners of which one is reflex
     corners = [
@@ -391,7 +210,10 @@ def test_meshes_made_by_others(mesh_file: Callable[[str], Path], name: str) -> N
     assert not len(folded_faces(result.mesh, mesh))
 
 
-# --- the rest ------------------------------------------------------------------------------------
+# --- history, reports, wrong arguments -----------------------------------------------------------
+MESH = dome(10)
+
+
 def test_history_and_progress() -> None:
     told: list[tuple[str, Step]] = []
     result = optimize(MESH, progress=lambda stage, number, step: told.append((stage, step)))
@@ -401,13 +223,14 @@ def test_history_and_progress() -> None:
 
 
 def test_report_of_a_design() -> None:
-    report = comparison(FOUND)
+    found = optimize(MESH)
+    report = comparison(found)
     design = report["design"]
-    assert design["distance_mean"] == FOUND.change.distance_mean
+    assert design["distance_mean"] == found.change.distance_mean
     assert design["folded_faces"] == []
     assert report["prices"][-1]["percent"] <= FLAT
     assert report["forecast"]["unit"] == pytest.approx(mean_edge(MESH))
-    text = comparison_text(FOUND)
+    text = comparison_text(found)
     for part in ("distance from the surface, both ways", "rise", "creases", "price list"):
         assert part in text
 

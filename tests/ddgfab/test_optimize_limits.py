@@ -1,0 +1,123 @@
+"""optimize: limits and the advice they end in, the price list and the forecast."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from optimize_meshes import ANY_ZIGZAG, CASES, FLAT, dome, roof, wavy
+
+from ddgfab.errors import OptimizeError
+from ddgfab.mesh import Mesh
+from ddgfab.optimize import (
+    OptimizeResult,
+    expected,
+    mean_edge,
+    optimize,
+)
+from ddgfab.optimize.directions import TRACE
+from ddgfab.optimize.forecast import HARMLESS, doubtful, forecast_text
+
+
+def test_beyond_the_limits_the_goal_is_missed_and_the_next_option_named() -> None:
+    mesh = dome(12)
+    edge = mean_edge(mesh)
+    wide = optimize(mesh)
+    near = wide.change.distance_mean / edge
+    with pytest.raises(OptimizeError, match="mean distance from the surface") as caught:
+        optimize(mesh, distance_limit=(0.5 * near, 1.0))
+    best = caught.value.result
+    assert isinstance(best, OptimizeResult)
+    assert best.status == "missed"
+    assert best.advice == (("keep", "close"),)
+    assert 'keep = "close"' in str(caught.value)
+    limit = 0.01 * wide.movement_max
+    with pytest.raises(
+        OptimizeError, match=f"move further: max_movement = {2 * limit:.2g}"
+    ) as caught:
+        optimize(mesh, max_movement=limit)
+    assert isinstance(caught.value.result, OptimizeResult)
+    assert caught.value.result.movement_max < limit
+
+
+def followed(mesh: Mesh) -> tuple[OptimizeResult, dict[str, object]]:
+    """What comes of a mesh when all advice is followed, and that advice."""
+    options: dict[str, object] = {}
+    for _ in range(5):
+        result = optimize(mesh, throw=False, **options)  # type: ignore[arg-type]
+        if result.status == "converged":
+            break
+        assert result.advice
+        options |= dict(result.advice)
+        if TRACE in options:
+            break
+    return result, options
+
+
+def test_the_advice_helps() -> None:
+    """A sheet that crumples when kept close stays smooth when asked to."""
+    result, options = followed(wavy(16))
+    assert result.status == "converged"
+    assert options == {"keep": "fair"}
+
+
+def test_where_only_another_net_helps_a_trace_is_advised() -> None:
+    """20 x 12 cells over high waves: smooth faces flatten it, keeping the surface crumples it."""
+    mesh = roof(20, 12)
+    with pytest.raises(OptimizeError, match="% of the rise is left"):
+        optimize(mesh, keep="fair")
+    with pytest.raises(OptimizeError, match="crumpled: bends at edges") as caught:
+        optimize(mesh, keep="close")
+    assert "do not follow conjugate directions" in str(caught.value)
+    result, options = followed(mesh)
+    assert result.status == "missed"
+    assert options[TRACE] == pytest.approx(mean_edge(mesh), rel=0.01)
+
+
+def test_after_close_an_even_closer_number_is_advised() -> None:
+    """A dome whose conical net is far off: what is named next is nearer."""
+    mesh = dome(24)
+    far = [0.001, 0.002]
+    limits = {"distance_limit": (far[0], far[1]), "throw": False, **ANY_ZIGZAG}
+    first = optimize(mesh, "conical", keep="close", **limits)  # type: ignore[arg-type]
+    assert first.advice == (("keep", 0.1),)
+    second = optimize(mesh, "conical", keep=0.1, **limits)  # type: ignore[arg-type]
+    assert second.change.distance_mean < first.change.distance_mean
+    assert second.advice != first.advice
+
+
+def test_prices_fall_and_end_at_the_goal() -> None:
+    result = optimize(dome(12))
+    percent = [price.percent for price in result.prices]
+    assert len(percent) > 1
+    assert percent == sorted(percent, reverse=True)
+    assert percent[-1] <= FLAT
+    assert all(p.distance_mean <= p.distance_max <= p.movement_max + 0.05 for p in result.prices)
+
+
+@pytest.mark.parametrize("name", ["wavy", "saddle of hexagons"])
+def test_the_forecast_is_right_within_a_factor(name: str) -> None:
+    mesh = CASES[name][0]()
+    told = expected(mesh)
+    assert told is not None
+    result = optimize(mesh, **ANY_ZIGZAG)
+    found = float(result.change.from_surface.mean())
+    assert 0.5 < told.distance_mean / found < 2
+    assert told == replace(told, distance_mean=result.forecast.distance_mean)  # type: ignore[union-attr]
+
+
+def test_the_forecast_tells_which_edges_can_turn_in_the_surface() -> None:
+    """A dome off its principal directions is only slid; waves are left, and a trace is advised."""
+    smooth, waves = expected(dome(12)), expected(roof(20, 12))
+    assert smooth is not None
+    assert waves is not None
+    assert smooth.distance_mean < HARMLESS * smooth.unit
+    assert not doubtful(smooth)
+    assert "conjugate" not in forecast_text(smooth)
+    assert doubtful(waves)
+    for part in ("do not follow conjugate directions", "--retrace"):
+        assert part in forecast_text(waves)
+
+
+def test_no_forecast_for_planar_faces() -> None:
+    assert expected(optimize(dome(8), flat=0).mesh) is None
