@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final, TypeAlias
 
@@ -14,6 +14,7 @@ from ddgfab.errors import MeshError, OutputError
 from ddgfab.io.atomic import atomic_path, atomic_write
 from ddgfab.io.axes import own_axes, unit_axes
 from ddgfab.io.compas import parse_compas
+from ddgfab.io.groups import Groups
 from ddgfab.io.load import LIMIT_BYTES, load_bytes, suffix_of, unknown_format
 from ddgfab.io.obj import parse_obj, write_obj
 from ddgfab.io.off import parse_off, write_off
@@ -39,6 +40,7 @@ __all__ = [
     "LIMIT_BYTES",
     "SHORTEST_MEDIAN_MM",
     "STATED",
+    "Groups",
     "Parser",
     "ReadResult",
     "Unit",
@@ -90,6 +92,7 @@ class ReadResult:
     units : unit that the file states in a comment, or None
     origin : (3,) what was subtracted from coordinates far from the origin, in the unit of the mesh
     axes : (V, 3) unit node axes that the file carries for just this geometry, or None
+    groups : named groups of an OBJ file (`g`, `o`), by vertices and edges of the mesh
     """
 
     mesh: Mesh
@@ -101,6 +104,7 @@ class ReadResult:
     units: str | None
     origin: Floats
     axes: Floats | None
+    groups: Groups = field(default_factory=Groups)
 
     @property
     def in_place(self) -> Mesh:
@@ -203,12 +207,18 @@ def read_mesh(
         raw.units,
         origin,
         axes,
+        repaired.groups,
     )
 
 
 @checked
 def write_mesh(
-    path: str | Path, mesh: Mesh, *, units: str | None = None, axes: Floats | None = None
+    path: str | Path,
+    mesh: Mesh,
+    *,
+    units: str | None = None,
+    axes: Floats | None = None,
+    groups: Groups | None = None,
 ) -> None:
     """Write a polygon mesh; the suffix says the format: .obj, .off or .ply.
 
@@ -217,6 +227,7 @@ def write_mesh(
     units : unit of the coordinates, written as a comment that `read_mesh` understands
     axes : (V, 3) node axes, written as vertex normals, with a comment that says so and holds a
         digest of the geometry: `read_mesh` takes them for no other
+    groups : named vertices and edges, of which OBJ files keep the names; others have none
 
     Raises
     ------
@@ -225,7 +236,9 @@ def write_mesh(
     OutputError
         A file that cannot be written; nothing is left half written.
     """
-    _WRITERS[check_target(path)](path, mesh, units=units, axes=axes)
+    suffix = check_target(path)
+    named = {"groups": groups} if groups and suffix == ".obj" else {}
+    _WRITERS[suffix](path, mesh, units=units, axes=axes, **named)
 
 
 @checked

@@ -14,6 +14,7 @@ import numpy as np
 from ddgfab.arguments import checked
 from ddgfab.errors import MeshError
 from ddgfab.io.atomic import atomic_write
+from ddgfab.io.groups import GroupRows, Groups
 from ddgfab.io.header import AXES_NOTE, comments_of, header_lines, stated_digest
 from ddgfab.io.raw import RawMesh, Rows, check_count
 from ddgfab.io.tokens import clip, decode, integer, number, numbered
@@ -21,7 +22,7 @@ from ddgfab.io.units import stated_unit
 from ddgfab.io.wires import Wires, faces_of_wires
 from ddgfab.mesh import Floats, Mesh
 
-_SILENT = frozenset({"vt", "vp", "o", "g", "s", "usemtl", "mtllib"})
+_SILENT = frozenset({"vt", "vp", "s", "usemtl", "mtllib"})
 _FREEFORM = {"curv": "NURBS curves", "curv2": "NURBS curves in surfaces", "surf": "NURBS surfaces"}
 _BETWEEN = frozenset(
     {"cstype", "deg", "bmat", "step", "parm", "trim", "hole", "scrv", "sp", "end", "con", "mg"}
@@ -52,6 +53,7 @@ class _Content:
     ignored: Counter[str] = field(default_factory=Counter)
     first: dict[str, int] = field(default_factory=dict)
     taken: list[str] = field(default_factory=list)
+    groups: GroupRows = field(default_factory=GroupRows)
 
     def ignore(self, what: str, line: int) -> None:
         """Count what is passed over, and keep where it stands first."""
@@ -73,7 +75,8 @@ def parse_obj(data: bytes, file: str) -> RawMesh:
     Reads `v` with weights or colors, `f` as `1`, `1/2`, `1//3`, `1/2/3`, negative numbers,
     comments, continued lines, several objects, any line end, byte order marks, a unit in a comment
     ("# units: m"). Vertex normals count only where a comment says that they are node axes. A file
-    of lines `l` without faces becomes a mesh where they bound faces in a clear way.
+    of lines `l` without faces becomes a mesh where they bound faces in a clear way. Faces, lines
+    and points `p` below `g` or `o` make groups.
 
     Raises
     ------
@@ -110,6 +113,7 @@ def parse_obj(data: bytes, file: str) -> RawMesh:
         units=stated_unit(comments),
         axes=_axes(read) if with_axes else None,
         axes_of=stated_digest(comments),
+        groups=read.groups.groups(points),
     )
 
 
@@ -129,17 +133,26 @@ def _take(read: _Content, parts: list[str], with_axes: bool, file: str, line: in
             raise MeshError(
                 f"a face needs three corners; {len(parts) - 1} given", file=file, line=line
             )
-        read.rows.face(_corners(parts, len(read.rows.point_lines), file, line), line)
+        face = _corners(parts, len(read.rows.point_lines), file, line)
+        read.rows.face(face, line)
+        read.groups.add(face, closed=True)
         if with_axes:
             read.corner_normals.extend(_normal_ids(parts, len(read.normals) // 3))
     elif key == "vn":
         if with_axes and len(parts) == 4:
             read.normals.extend(_vector(parts, file, line))
     elif key == "l" and len(parts) > 2:
-        read.wires.append(_corners(parts, len(read.rows.point_lines), file, line))
+        wire = _corners(parts, len(read.rows.point_lines), file, line)
+        read.wires.append(wire)
         read.wire_lines.append(line)
         check_count(len(read.wires), "lines 'l'", file, line)
-        read.ignore("polylines 'l'", line)
+        if not read.groups.add(wire):
+            read.ignore("polylines 'l'", line)
+    elif key in ("g", "o"):
+        read.groups.name(key, parts[1:])
+    elif key == "p" and read.groups.named:
+        for point in _corners(parts, len(read.rows.point_lines), file, line):
+            read.groups.add([point])
     elif key in _FREEFORM:
         read.ignore(_FREEFORM[key], line)
     elif key not in _SILENT and key not in _BETWEEN:
@@ -161,9 +174,10 @@ def _faces_from_wires(read: _Content, file: str) -> None:
     faces, lines = faces_of_wires(wires, read.wire_lines, file)
     for face, line in zip(faces, lines, strict=True):
         rows.face(face, line)
-    count = read.ignored.pop("polylines 'l'")
+    read.ignored.pop("polylines 'l'", 0)
     read.taken.append(
-        f"the file has no faces of its own: {len(faces)} faces were made of its {count} polylines "
+        f"the file has no faces of its own: {len(faces)} faces were made of its "
+        f"{len(read.wires)} polylines "
         f"'l' (first in line {lines[0]})"
     )
 
@@ -236,7 +250,12 @@ def _axes(read: _Content) -> Floats | None:
 
 @checked
 def write_obj(
-    path: str | Path, mesh: Mesh, *, units: str | None = None, axes: Floats | None = None
+    path: str | Path,
+    mesh: Mesh,
+    *,
+    units: str | None = None,
+    axes: Floats | None = None,
+    groups: Groups | None = None,
 ) -> None:
     """Write a mesh as OBJ, atomically; coordinates as their shortest exact decimals.
 
@@ -244,6 +263,7 @@ def write_obj(
     ----------
     units : written as a comment, which `read_mesh` understands
     axes : (V, 3) node axes, written as vertex normals with a comment that says so
+    groups : written after the faces, as points `p` and lines `l` below `g`
 
     Raises
     ------
@@ -260,5 +280,6 @@ def write_obj(
     end = "" if axes is None else "//{0}"
     corner = "{0}" + end
     rows += ["f " + " ".join(corner.format(i) for i in (face + 1).tolist()) for face in mesh.faces]
+    rows += [] if groups is None else groups.lines()
     with atomic_write(path) as stream:
         stream.write(("\n".join(rows) + "\n").encode("ascii"))

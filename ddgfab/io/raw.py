@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ddgfab.errors import MeshError
+from ddgfab.io.groups import Groups
 from ddgfab.io.tokens import number
 from ddgfab.mesh import Floats, Ints
 
@@ -42,6 +43,7 @@ class RawMesh:
     axes : (V, 3) node axes that the file carries, zero where a point has none; None without
     axes_of : digest of the geometry that the file says they belong to (`header.geometry_digest`)
     lost : what rounding took from its largest numbers; `step` where nothing shows that it was less
+    groups : named groups of its vertices and edges
     """
 
     file: str
@@ -56,6 +58,7 @@ class RawMesh:
     axes: Floats | None = None
     axes_of: str | None = None
     lost: float = 0.0
+    groups: Groups = field(default_factory=Groups)
 
     def fail(self, reason: str, *, point: int | None = None, face: int | None = None) -> MeshError:
         """The error to raise, with the line of the point or face it is about."""
@@ -76,6 +79,7 @@ class RawMesh:
         units: str | None = None,
         axes: Floats | None = None,
         axes_of: str | None = None,
+        groups: Groups | None = None,
     ) -> RawMesh:
         """Raw mesh of what was read line by line."""
         return RawMesh(
@@ -91,6 +95,7 @@ class RawMesh:
             axes,
             axes_of,
             rows.digits.lost,
+            Groups() if groups is None else groups,
         )
 
 

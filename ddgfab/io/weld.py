@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ddgfab.io.groups import NEAR
 from ddgfab.io.near import near_pairs
 from ddgfab.io.raw import RawMesh
 from ddgfab.mesh import Ints, extent
@@ -161,6 +162,7 @@ def _joined(raw: RawMesh, same: Ints, distance: float) -> Welded:
         corners=corners[keep],
         sizes=left[stays],
         face_lines=None if lines is None else lines[stays],
+        groups=raw.groups.renumbered(same),
     )
     return Welded(without_unused(raw), distance, merged, shrunk, gone)
 
@@ -180,9 +182,14 @@ def without_unused(raw: RawMesh) -> RawMesh:
     if used.all():
         return raw
     keep = np.flatnonzero(used)
+    groups = raw.groups
+    if groups:
+        within = max(noise(raw), NEAR * extent(raw.points[keep]))
+        groups = groups.onto(raw.points, keep, within).renumbered(np.cumsum(used) - 1)
     return replace(
         raw,
         points=raw.points[keep],
+        groups=groups,
         corners=(np.cumsum(used) - 1)[raw.corners],
         point_lines=None if raw.point_lines is None else raw.point_lines[keep],
         axes=None if raw.axes is None else raw.axes[keep],
