@@ -210,7 +210,7 @@ class _Exact:
             mesh, off = self._meshes[family.number], 0.0
             if self._finer is not None:
                 fine = self._finer(family, chord)
-                off = chord if len(fine.triangles) != len(mesh.triangles) else 0.0
+                off = 0.0 if np.array_equal(fine.vertices, mesh.vertices) else chord
                 mesh = fine
             self._made[key] = Bodies([mesh], [family.number]), off
         return self._made[key]
@@ -226,8 +226,8 @@ class _Exact:
             depth = 2.0 * float(common.volume()) / area if area > 0 else 0.0
             if depth > self._overlap + off:
                 return -depth
-            if off == 0.0 or float(first.min_gap(second, 2 * off)) > off:
-                break  # finer meshes would say the same
+            if off == 0.0 or chord == FINE_MM or float(first.min_gap(second, 2 * off)) > off:
+                break  # finer meshes would say the same, or there are none
         return 0.0
 
 

@@ -17,7 +17,7 @@ from fabrication.gridshell.detailing.gridshell import detail
 from fabrication.parts.beam import BEAM
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
-from fabrication.solids import mesh_of
+from fabrication.solids import comparison_mesh
 from fabrication.specs import Check, Family, Role, TriangleMesh
 
 CHORD_MM: Final = 0.05
@@ -56,7 +56,7 @@ def gaps_kept(
         meshes,
         clearances(design),
         tolerance=2 * CHORD_MM,
-        finer=lambda family, chord: mesh_of(family.shape, chord),
+        finer=lambda family, chord: comparison_mesh(family.shape, chord),
         mounted=mounted_pairs(design.gridshell),
     )
 
@@ -103,6 +103,6 @@ def _clear(design: Design, support: SupportStructure, gap: float) -> bool:
         return False
     parts = families(made.pieces, project.checks.family_tolerance_mm)
     trial = replace(design, project=project, support=support, gridshell=made, families=parts)
-    meshes = {family.number: mesh_of(family.shape, CHORD_MM) for family in parts}
+    meshes = {family.number: comparison_mesh(family.shape, CHORD_MM) for family in parts}
     checks = gaps_kept(trial, list(parts), meshes)
     return all(check.passed for own in checks.values() for check in own)

@@ -22,6 +22,7 @@ __all__ = [
     "Boundary",
     "Realised",
     "boundary_of",
+    "comparison_mesh",
     "genus_of",
     "is_valid",
     "kernel_properties",
@@ -145,6 +146,27 @@ def mesh_of(shape: Shape, chord: float = CHORD) -> TriangleMesh:
     from fabrication.solids.booleans import kernel_mesh
 
     return kernel_mesh(_solid(geometry), chord)
+
+
+def comparison_mesh(shape: Shape, chord: float = CHORD) -> TriangleMesh:
+    """Closed outward mesh whose faces are within `chord` [mm] of the exact ones; no kernel.
+
+    For checks of parts against each other. With an exact boundary it is `mesh_of`; without one,
+    edges of cuts may be off by more than the chord where faces meet at small angles.
+
+    Raises
+    ------
+    DetailError
+        The shape is impossible.
+    KernelError
+        The cut leaves nothing.
+    """
+    geometry = shape.geometry()
+    if isinstance(geometry, Boundary):
+        return tessellate(geometry, chord)
+    from fabrication.solids.faceted_cut import faceted_cut
+
+    return faceted_cut(geometry, chord)
 
 
 @dataclass(frozen=True, eq=False)

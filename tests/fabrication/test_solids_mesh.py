@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from parts_table import EXACT
+from parts_table import CUT, EXACT
 
-from fabrication.solids import boundary_of, mesh_of, properties_of
+from fabrication.solids import (
+    boundary_of,
+    comparison_mesh,
+    mesh_of,
+    properties_of,
+    second_volume_of,
+)
 from fabrication.specs import Properties, Shape, TriangleMesh
 
 SLENDER = ["bar coped holes", "box coped holes", "tee coped", "rhs holes", "valence 5 holes",
@@ -109,3 +115,25 @@ def test_is_the_same_every_time() -> None:
     one, two = mesh_of(shape), mesh_of(shape)
     assert np.array_equal(one.vertices, two.vertices)
     assert np.array_equal(one.triangles, two.triangles)
+
+
+@pytest.mark.parametrize("name", CUT)
+def test_cut_parts_are_compared_without_the_kernel(name: str) -> None:
+    """Against the volume by quadrature and the kernel's mesh, which share nothing with it."""
+    manifold3d = pytest.importorskip("manifold3d")
+    shape, genus = CUT[name]
+    volume = second_volume_of(shape)
+    fine = {}
+    for chord in (0.05, 0.005):
+        mesh = comparison_mesh(shape, chord)
+        body = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices, mesh.triangles.astype("u8")))
+        assert body.status() == manifold3d.Error.NoError
+        assert body.genus() == genus
+        assert len(body.decompose()) == 1
+        assert abs(body.volume() - volume) <= chord * body.surface_area()
+        fine[chord] = body
+    assert abs(fine[0.005].volume() - volume) < 0.2 * abs(fine[0.05].volume() - volume)
+    theirs = mesh_of(shape, 0.005)
+    kernel = manifold3d.Manifold(manifold3d.Mesh64(theirs.vertices, theirs.triangles.astype("u8")))
+    different = (fine[0.005] - kernel).volume() + (kernel - fine[0.005]).volume()
+    assert different <= 0.01 * kernel.surface_area()
