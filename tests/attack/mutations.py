@@ -79,7 +79,7 @@ def nudged(text: str, rng: random.Random) -> str:
     """A number is a little more or less: vertices that nearly meet, faces that nearly are flat."""
 
     def by(match: re.Match[str]) -> str:
-        if match[0].isdigit():
+        if match[0].isdigit() and len(match[0]) < 1000:
             return str(int(match[0]) + rng.choice((-1, 1)))
         return repr(float(match[0]) * (1 + rng.choice((1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0))))
 

@@ -56,24 +56,59 @@ LISTS += [
     {"step": {"schema": 5}},
 ]
 LISTS += [[[-30, -4], [30, -4], [30, 4], [-30, 4]], [[0, 0], [1e9, 0], [0, 1e-9]], [-1, 0, 1e300]]
+TEXTS += ["stud", "bolted_tongue", "welded", "star", "bolt", "8/16Ar/6.6.2", "6.6.2", "8/16", "//"]
+TEXTS += [
+    "8/16Ar/6.6.2/16Kr/8",
+    "0/16Ar/8",
+    "8/1e9Ar/8",
+    "boundary",
+    "polished",
+    "M1e9",
+    "2026-02-30",
+]
+LISTS += [
+    [{"where": "boundary", "profile": "RHS 120x60x5"}],
+    [{"where": [0, 1, 10**9], "profile": "FL 60x8"}],
+    [{"where": [], "profile": []}, {"profile": 5}, {}],
+]
 VALUES: list[Any] = [*NUMBERS, *NUMBERS, *TEXTS, *LISTS, True, False]
+
+
+ROOF = '[net]\nkind = "mesh"\nfile = "roof.obj"\n'
+STUDS = (
+    '[connection]\nkind = "stud"\nbolt = "M12"\nplate_mm = 20\nfasteners = true\nthread_mm = 18\n'
+)
+TONGUES = (
+    '[connection]\nkind = "bolted_tongue"\nbolt = "M12"\nplate_mm = 10\n[node]\nkind = "star"\n'
+)
+RULES = '[[beam]]\nprofile = "FL 60x8"\n[[beam]]\nwhere = "boundary"\nprofile = "RHS 60x40x3"\n'
+RULES += "[[beam]]\nwhere = [0, 3]\nprofile = [[-30, -4], [30, -4], [30, 4], [-30, 4]]\n"
+ORDER = '[panel]\nbuild_up = "8/16Ar/6.6.2"\nedge_work = "ground"\nstep_mm = 20\n'
+ORDER += (
+    '[rates]\nkg = 4.5\nm2 = 210\nhole = 3\ncurrency = "CHF"\n[stock]\nlength_mm = [6000, 12000]\n'
+)
+ORDER += 'kerf_mm = 3\n[project]\ndate = "2026-03-01"\ntitle = "Roof"\n'
+
+
+def bare(text: str) -> str:
+    """A template without its comments, which take most of the time of reading."""
+    return "\n".join(row for row in text.split("\n") if row and not row.startswith("#")) + "\n"
 
 
 @cache
 def sound_texts() -> tuple[tuple[str, str], ...]:
-    """(kind, text) of project files with all keys: nets of every kind, and linkages."""
-    found = [("gridshell", '[net]\nkind = "mesh"\nfile = "roof.obj"\n')] * 3
+    """(kind, text) of project files: nets and connections of every kind, all keys, and linkages."""
+    found = [("gridshell", ROOF)] * 5
+    found += [("gridshell", ROOF + more) for more in (STUDS, TONGUES, RULES, ORDER)] * 3
+    found += [("gridshell", ROOF + RULES + ORDER)] * 2
     mesh: dict[str, Any] = {"kind": "mesh", "file": "roof.obj"}
-    for net in (
-        mesh,
-        mesh,
-        {"kind": "surface", "surface": "dome"},
-        *({"kind": k} for k in kinds()),
-    ):
-        found.append(("gridshell", project_template(make_project({"net": net}))))
+    surface = {"kind": "surface", "surface": "dome"}
+    for net in (mesh, mesh, surface, *({"kind": k} for k in kinds())):
+        found.append(("gridshell", bare(project_template(make_project({"net": net})))))
     for kind in kit_kinds():
-        found.append(("kit", kit_template(make_kit_project({"linkage": {"kind": kind}}))))
-    return tuple(found)
+        text = kit_template(make_kit_project({"linkage": {"kind": kind}}))
+        found += [("kit", text), ("kit", bare(text))]
+    return (*found, ("gridshell", project_template(make_project({"net": mesh}))))
 
 
 @cache
