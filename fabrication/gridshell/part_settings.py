@@ -159,11 +159,13 @@ class ConnectionSettings(_WithKind):
     Attributes
     ----------
     kind : "welded" (the end on the seat, no holes), "stud" (a thread in the node, a plate or
-        solid end of the beam on the same axis, an opening to tighten it) or "bolted_tongue" (the
+        solid end of the beam on the same axis, an opening to tighten it), "end_plate" (a plate
+        across the end of the beam, bolts on either side of the bar) or "bolted_tongue" (the
         plates of [node] kind = "star" in slots of flat bars, two bolts in double shear)
     weld_mm : throat thickness of the fillet weld, 3 or more (EN 1993-1-8, 4.5.2): of beams to
         nodes, or of plates to hollow sections
     bolt : size of studs and bolts
+    bolts : of an end plate: 2, or more in rows of 2
     fastener : "stud" (DIN 976-1, with a nut) or "bolt" (ISO 4017) through the plate
     plate_mm : thickness of the plate, of a solid end, or of a tongue; "auto": the bolt's diameter
         or more, in steps of 5 mm
@@ -177,6 +179,7 @@ class ConnectionSettings(_WithKind):
     kind: str = "welded"
     weld_mm: Annotated[float, Field(ge=3.0, le=50.0)] = 4.0
     bolt: BoltSize = "M12"
+    bolts: Literal[2, 4, 6, 8] = 2
     fastener: Literal["stud", "bolt"] = "stud"
     plate_mm: Literal["auto"] | Positive = "auto"
     thread_mm: Literal["auto"] | Positive = "auto"

@@ -95,6 +95,17 @@ def segments(loop: Loop) -> list[Segment]:
     return out
 
 
+def distance_to(loop: Sequence[Segment], u: float, v: float) -> float:
+    """Distance [mm] of a point from the lines of a loop, its arcs counted as their chords."""
+    least = math.inf
+    for s in loop:
+        du, dv = s.u1 - s.u0, s.v1 - s.v0
+        square = du * du + dv * dv
+        t = min(max(((u - s.u0) * du + (v - s.v0) * dv) / square, 0.0), 1.0)
+        least = min(least, math.hypot(s.u0 + t * du - u, s.v0 + t * dv - v))
+    return least
+
+
 def integrate(
     loops: Sequence[Loop], antiderivative: Callable[[Floats, Floats], Floats], nodes: int
 ) -> float:

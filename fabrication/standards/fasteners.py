@@ -68,6 +68,11 @@ class Fastener:
         return float(table("fasteners")["distances"]["spacing"]) * self.hole
 
     @property
+    def spacing_across(self) -> float:
+        """Least distance of two holes across the direction of the load (the same table)."""
+        return float(table("fasteners")["distances"]["spacing_across"]) * self.hole
+
+    @property
     def least_thread(self) -> float:
         """Least length of thread in engagement."""
         return float(table("fasteners")["thread"]["least"]) * self.diameter

@@ -97,8 +97,8 @@ def beam_specs(
     ):
         shape = BeamShape(
             profiles[of_edge[e]],
-            EndCut(0.0, slope[0], radius, skew[0], joined.end, slot),
-            EndCut(x, slope[1], radius, skew[1], joined.end, slot),
+            EndCut(0.0, slope[0], radius, skew[0], joined.end, slot, joined.plate),
+            EndCut(x, slope[1], radius, skew[1], joined.end, slot, joined.plate),
             holes[e] if holes else (),
         )
         left, right = (panel_mark(face) if glass and face >= 0 else None for face in faces)
@@ -149,7 +149,10 @@ def _check_lengths(
             ],
             f"the least length is {limit:.6g} mm: check units and scale, take smaller nodes, or "
             f"change [beam] min_length_mm"
-            + (f"; connections take {joined.end_length:.1f} mm at each end" * bool(joined.end)),
+            + (
+                f"; connections take {joined.end_length:.1f} mm at each end"
+                * bool(joined.beam_hole)
+            ),
         )
 
 

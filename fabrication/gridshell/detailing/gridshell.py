@@ -123,7 +123,10 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     arms = arms_of(mesh, axes, frames)
     connection = connections.find(project.connection.kind).of(project)
     sections = beam_sections(mesh, project)
-    width = max(arm_width(frames, section, project) for section in sections.profiles)
+    width = max(
+        max(arm_width(frames, section, project), connection.arm_width(section))
+        for section in sections.profiles
+    )
     joints = Joints(frames, arms, width, profile, project, connection)
     connection.check(joints)
     size = find(project.node.kind).fit(joints)
@@ -131,6 +134,8 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     cuts = end_cuts(frames, size, project.beam.eccentricity_mm)
     beams = beam_specs(mesh, frames, cuts, size, sections, joined, project)
     low, middle, high = end_heights(frames, arms, size, sections, project)
+    low = np.minimum(low, middle - 0.5 * joined.cover)
+    high = np.maximum(high, middle + 0.5 * joined.cover)
     ends = size.ends(joints, *node_ends(mesh, arms, low, high, project))
     nodes = node_specs(mesh, axes, joints, size, joined, ends, middle)
     bolts = bolt_specs(mesh, axes, joints, size, joined, middle)

@@ -60,6 +60,9 @@ LEGEND: Final = Legend(
         "hole_{k}_diameter_mm": "diameter of that hole",
         "hole_{k}_depth_mm": "its depth from the seat, or from the cylinder where there is none; "
         "empty: through the wall of the tube",
+        "hole_{k}_count": "holes of arm {k}, in rows of two; hole {k} is the height of the lowest",
+        "hole_{k}_across_mm": "from the holes on one side of the arm to those on the other",
+        "hole_{k}_along_mm": "from the lowest holes to the highest",
         "plate_mm": "thickness of the plates of a star",
         "plate_length_mm": "from the axis to the ends of its plates",
         "plate_hole_mm": "diameter of the holes through its plates, square to them",

@@ -3,6 +3,23 @@
 from __future__ import annotations
 
 from fabrication.parts.beam.congruence import fibre_ends
-from fabrication.parts.beam.shape import BEAM, BeamShape, CrossHole, EndCut, SlotEnd, StudEnd
+from fabrication.parts.beam.shape import (
+    BEAM,
+    BeamShape,
+    CrossHole,
+    EndCut,
+    PlateEnd,
+    SlotEnd,
+    StudEnd,
+)
 
-__all__ = ["BEAM", "BeamShape", "CrossHole", "EndCut", "SlotEnd", "StudEnd", "fibre_ends"]
+__all__ = [
+    "BEAM",
+    "BeamShape",
+    "CrossHole",
+    "EndCut",
+    "PlateEnd",
+    "SlotEnd",
+    "StudEnd",
+    "fibre_ends",
+]

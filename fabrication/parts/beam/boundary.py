@@ -11,6 +11,7 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Cut, Tool, Vec
+from fabrication.parts.beam.end_plate import plated_faces
 from fabrication.parts.beam.slot import slotted_faces
 from fabrication.parts.beam.stud import (
     HAND_HOLE_WELD,
@@ -22,7 +23,7 @@ from fabrication.parts.beam.stud import (
     window,
 )
 from fabrication.solids.builder import BoundaryBuilder, Coedges, add
-from fabrication.solids.section import Segment, segments
+from fabrication.solids.section import Segment, distance_to, segments
 from fabrication.solids.sweep import End, sweep, walls
 
 if TYPE_CHECKING:
@@ -201,7 +202,9 @@ def beam_boundary(shape: BeamShape) -> Boundary:
             side_holes.setdefault(face_in, []).append(loop_in)
             side_holes.setdefault(face_out, []).append(loop_out)
     start, end = ends_of(shape)
-    if shape.start.stud is None and shape.end.stud is None:
+    if shape.start.plate is not None or shape.end.plate is not None:
+        plated_faces(builder, frame, shape, loops, side_holes)
+    elif shape.start.stud is None and shape.end.stud is None:
         sweep(builder, frame, loops, start, end, side_holes)
     else:
         _studded(builder, shape, loops, side_holes)
@@ -308,14 +311,3 @@ def check_studs(shape: BeamShape, loops: list[list[Segment]]) -> None:
         raise DetailError(
             f"the openings for studs take {sum(depths):.6g} mm of {least:.6g} mm between the cuts"
         )
-
-
-def distance_to(loop: list[Segment], u: float, v: float) -> float:
-    """Distance [mm] of a point from the lines of a loop, its arcs counted as their chords."""
-    least = math.inf
-    for s in loop:
-        du, dv = s.u1 - s.u0, s.v1 - s.v0
-        square = du * du + dv * dv
-        t = min(max(((u - s.u0) * du + (v - s.v0) * dv) / square, 0.0), 1.0)
-        least = min(least, math.hypot(s.u0 + t * du - u, s.v0 + t * dv - v))
-    return least

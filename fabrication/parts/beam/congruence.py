@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ddgfab.mesh import Floats
+from fabrication.parts.beam.end_plate import plate_key
 from fabrication.specs import Profile
 from fabrication.standards.profiles import is_mirror, z_range
 from fabrication.variants import DECIMALS, Variants, key_of
@@ -30,6 +31,8 @@ def beam_key(shape: BeamShape) -> Hashable:
 
 def _stud_key(cut: EndCut) -> Hashable:
     stud, slot = cut.stud, cut.slot
+    if cut.plate is not None:
+        return plate_key(cut.plate)
     if slot is not None:
         return (key_of(slot.width), key_of(slot.depth))
     if stud is None:

@@ -11,6 +11,7 @@ import numpy as np
 from fabrication.boundary import Boundary, Cut
 from fabrication.parts.beam.boundary import beam_geometry
 from fabrication.parts.beam.congruence import beam_key, beam_variants, fibre_ends
+from fabrication.parts.beam.end_plate import bar_of, plate_details
 from fabrication.parts.beam.volume import beam_volume
 from fabrication.specs import Kind, Profile
 from fabrication.standards.profiles import z_range
@@ -58,6 +59,26 @@ class SlotEnd:
 
 
 @dataclass(frozen=True)
+class PlateEnd:
+    """A plate across a flat cut, whose outer face is the cut; the bar ends at its inner face [mm].
+
+    z : height at which the middle of the plate lies in the cut, y = 0
+    width, height, thickness : across the beam, along the cut, and square to it
+    holes : (y, w) of the bolt holes from the middle, w upwards along the cut
+    diameter : of these holes
+    vent : diameter of the hole in the middle, into the cavity of a hollow section; 0 otherwise
+    """
+
+    z: float
+    width: float
+    height: float
+    thickness: float
+    holes: tuple[tuple[float, float], ...]
+    diameter: float
+    vent: float = 0.0
+
+
+@dataclass(frozen=True)
 class EndCut:
     """How a beam ends, in the beam's frame; without torsion the node axis lies in its plane y = 0.
 
@@ -67,7 +88,8 @@ class EndCut:
         angle only where an axis leaves the plane y = 0 and is not perpendicular to the beam
     radius : None for a flat cut; else the radius [mm] of the coping cylinder, whose axis lies that
         far (perpendicularly) beyond x; its skew is 0
-    stud, slot : a hole for a stud or bolt through the cut, or a slot; it is flat, not skew then
+    stud, slot, plate : a hole for a stud or bolt through the cut, a slot, or a plate across it;
+        it is flat, not skew then
     """
 
     x: float
@@ -76,6 +98,7 @@ class EndCut:
     skew: float = 0.0
     stud: StudEnd | None = None
     slot: SlotEnd | None = None
+    plate: PlateEnd | None = None
 
 
 @dataclass(frozen=True)
@@ -124,7 +147,7 @@ class BeamShape:
         A mitre [deg] between cut and square cut is positive where the beam is longer at the top, a
         skew [deg], seen from above, where it is longer on its left; skews of skew beams only.
         """
-        start, end = fibre_ends(self)
+        start, end = fibre_ends(bar_of(self))
         found = {
             "profile": self.profile.name,
             "length_cut_mm": float(end.max() - start.min()),
@@ -151,6 +174,8 @@ class BeamShape:
                 found[f"plate_{name}_mm"] = cut.stud.plate
                 found[f"opening_{name}_mm"] = cut.stud.length
                 found[f"opening_{name}_height_mm"] = cut.stud.height
+            if cut.plate is not None:
+                found |= plate_details(cut.plate, low, name)
         return found
 
     def stock(self) -> tuple[str, float]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ddgfab.mesh import Floats
 from fabrication.parts.beam.boundary import ends_of, hole_walls, opening_sides
+from fabrication.parts.beam.end_plate import bar_of, plate_volume
 from fabrication.parts.beam.slot import slot_volume, strips
 from fabrication.parts.beam.stud import inner_end, lower_wall, opening_area
 from fabrication.solids.section import integrate, segments
@@ -44,7 +45,7 @@ def _between(loops: Sequence[Loop], start: End, end: End) -> float:
 
 def beam_volume(shape: BeamShape) -> float:
     """Volume [mm3] of a beam: length integrated over the profile, less holes and openings."""
-    start, end = ends_of(shape)
+    start, end = ends_of(bar_of(shape))
     total = _between(shape.profile.loops[:1], start, end)
     loops = [segments(loop) for loop in shape.profile.loops]
     for cut, outward in ((shape.start, -1.0), (shape.end, 1.0)):
@@ -61,6 +62,9 @@ def beam_volume(shape: BeamShape) -> float:
             (_, right), (_, left) = opening_sides(shape, cut, outward, loops)
             through = left - right
         total -= opening_area(cut, hollow=len(loops) > 1) * through
+    total += sum(
+        plate_volume(cut.plate) for cut in (shape.start, shape.end) if cut.plate is not None
+    )
     if len(loops) > 1:
         total += _between(shape.profile.loops[1:], start, end)
     if shape.start.slot is not None or shape.end.slot is not None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Cut, Tool, Vec
-from fabrication.solids.builder import BoundaryBuilder, Coedges, add, scale
+from fabrication.solids.builder import BoundaryBuilder, Coedges, add
 from fabrication.solids.section import segments
 from fabrication.solids.sweep import End, sweep
 from fabrication.specs import Loop
@@ -184,10 +184,13 @@ def check_holes(shape: NodeShape, found: list[Drill]) -> None:
                 default=math.pi,
             )
             room = shape.radius * math.sin(min(max(free, 0.0), math.pi / 2.0))
-        if r >= room:
-            raise DetailError(f"{name} is wider than the {2 * room:.6g} mm it has: widen the node")
+        if r + abs(hole.across) >= room:
+            raise DetailError(
+                f"{name} is wider than the {2 * (room - abs(hole.across)):.6g} mm it has: widen "
+                "the node"
+            )
         if drill.bottom is None:
-            if r >= shape.bore:
+            if r + abs(hole.across) >= shape.bore:
                 raise DetailError(
                     f"{name} goes through to a bore of {2 * shape.bore:.6g} mm, which must be "
                     f"wider than the hole"
@@ -200,7 +203,7 @@ def check_holes(shape: NodeShape, found: list[Drill]) -> None:
         inner, _ = _strip(shape, drill)
         for j, seat in enumerate(shape.seats):
             apart = angle_apart(seat.azimuth, hole.azimuth)
-            reach = inner * math.cos(apart) + r * math.sin(apart)
+            reach = inner * math.cos(apart) + (r + abs(hole.across)) * math.sin(apart)
             if j != drill.seat and reach >= seat.distance:
                 raise DetailError(
                     f"{name} breaks out of seat {j}, {seat.distance:.6g} mm from the axis, where "
@@ -217,7 +220,8 @@ def check_holes(shape: NodeShape, found: list[Drill]) -> None:
 def _strip(shape: NodeShape, drill: Drill) -> tuple[float, float]:
     """Where a hole ends inside, from the axis, and its radius."""
     r = drill.hole.diameter / 2.0
-    inner = math.sqrt(shape.bore**2 - r * r) if drill.bottom is None else drill.bottom
+    far = r + abs(drill.hole.across)
+    inner = math.sqrt(shape.bore**2 - far * far) if drill.bottom is None else drill.bottom
     return inner, r
 
 
@@ -227,6 +231,12 @@ def _holes_meet(shape: NodeShape, one: Drill, two: Drill) -> bool:
     if abs(one.hole.z - two.hole.z) >= r1 + r2:
         return False
     apart = angle_apart(one.hole.azimuth, two.hole.azimuth)
+    if apart <= SAME_AZIMUTH:
+        between = one.hole.z - two.hole.z, one.hole.across - two.hole.across
+        return math.hypot(*between) <= r1 + r2
+    turn = math.sin(two.hole.azimuth - one.hole.azimuth)
+    r1 += math.copysign(1.0, turn) * one.hole.across
+    r2 -= math.copysign(1.0, turn) * two.hole.across
     # Both strips avoid the axis. Seen along the axis they are apart when the line through the
     # axis that halves their directions has one on each side: the inner corners decide.
     half = apart / 2.0
@@ -253,7 +263,7 @@ def _check_mark(shape: NodeShape, found: list[Drill]) -> None:
     for k, drill in enumerate(found):
         inner, radius = _strip(shape, drill)
         along = mark.x * math.cos(drill.hole.azimuth)
-        across = abs(mark.x * math.sin(drill.hole.azimuth))
+        across = abs(mark.x * math.sin(drill.hole.azimuth) + drill.hole.across)
         below = drill.hole.z + radius < shape.z1 - mark.depth
         if not below and along + r >= inner and across < r + radius:
             raise DetailError(
@@ -283,7 +293,8 @@ def node_cut(shape: NodeShape) -> Cut:
         foot = 0.0 if drill.bottom is None else drill.bottom
         c, s = math.cos(drill.hole.azimuth), math.sin(drill.hole.azimuth)
         direction: Vec = (c, s, 0.0)
-        origin = add((0.0, 0.0, drill.hole.z), scale(direction, foot))
+        side: Vec = (-s * drill.hole.across, c * drill.hole.across, drill.hole.z)
+        origin = add(side, direction, foot)
         height = shape.radius + OVERLAP - foot
         tools.append(Tool(origin, direction, (0.0, 0.0, 1.0), drill.hole.diameter / 2, height))
     # A blind hole changes no handle; each hole into the bore adds one.
@@ -314,11 +325,12 @@ def node_boundary(shape: NodeShape, *, blank: bool = False) -> Boundary:
             raise DetailError("a hole on the round surface or into the bore has no exact boundary")
         hole, seat = drill.hole, shape.seats[drill.seat]
         c, s = math.cos(seat.azimuth), math.sin(seat.azimuth)
-        mouth = (seat.distance * c, seat.distance * s, hole.z)
-        bottom = (drill.bottom * c, drill.bottom * s, hole.z)
-        side = flats[order.index(drill.seat)]
+        side: Vec = (-s * hole.across, c * hole.across, hole.z)
+        mouth = add(side, (c, s, 0.0), seat.distance)
+        bottom = add(side, (c, s, 0.0), drill.bottom)
+        flat = flats[order.index(drill.seat)]
         loop = builder.blind_hole(mouth, bottom, (0.0, 0.0, 1.0), hole.diameter / 2.0)
-        side_holes.setdefault((0, side), []).append(loop)
+        side_holes.setdefault((0, flat), []).append(loop)
     top: list[Coedges] = []
     if shape.mark is not None:
         x, z = shape.mark.x, shape.z1

@@ -22,7 +22,7 @@ def node_key(shape: NodeShape) -> Hashable:
         key_of(shape.mark.depth),
     )
     seats = tuple(sorted((key_of(s.distance), key_of(s.width)) for s in shape.seats))
-    drilled = tuple(sorted(key_of(hole.diameter) for hole in shape.holes))
+    drilled = tuple(sorted((key_of(h.diameter), key_of(h.across)) for h in shape.holes))
     return (key_of(shape.radius), key_of(shape.bore), mark, seats, drilled)
 
 
@@ -33,24 +33,28 @@ def node_variants(shapes: Sequence[NodeShape]) -> Variants:
     azimuth 0 is. Seats and holes must belong to the same arms to be turned.
     """
     first = shapes[0]
-    n, count = len(shapes), max(len(first.seats), len(first.holes))
+    n, count = len(shapes), len(first.seats) or len(first.holes)
+    each = len(first.holes) // count if count else 0  # holes of an arm follow each other
     height = np.array([[shape.z1 - shape.z0] for shape in shapes])
     seats = np.array([[seat.azimuth for seat in shape.seats] for shape in shapes])
     holes = np.array([[hole.azimuth for hole in shape.holes] for shape in shapes])
     levels = np.array([[hole.z - shape.z0 for hole in shape.holes] for shape in shapes])
+    across = np.array([[hole.across for hole in shape.holes] for shape in shapes])
     depths = np.array([[key_of(hole.depth) for hole in shape.holes] for shape in shapes])
-    turnable = len(first.seats) in (0, count) and len(first.holes) in (0, count)
+    turnable = len(first.seats) in (0, count) and len(first.holes) == each * count
     points, turns = [], []
     for k in range(count if turnable and count else 1):
         start = (seats if seats.size else holes)[:, k] if turnable and count else np.zeros(n)
+        back = -k * each
         around = np.roll(seats, -k, axis=1) - start[:, None]
-        drilled = np.roll(holes, -k, axis=1) - start[:, None]
+        drilled = np.roll(holes, back, axis=1) - start[:, None]
+        aside = np.arctan2(np.roll(across, back, axis=1), first.radius)
         parts = [
             _ring(0 * height, 0 * height, height),
             _ring(first.radius, around, 0 * around),
             _ring(first.radius, around, height + 0 * around),
-            _ring(first.radius, drilled, np.roll(levels, -k, axis=1)),
-            _ring(0 * drilled, drilled, np.roll(depths, -k, axis=1)),
+            _ring(first.radius / np.cos(aside), drilled + aside, np.roll(levels, back, axis=1)),
+            _ring(0 * drilled, drilled, np.roll(depths, back, axis=1)),
         ]
         points.append(np.concatenate(parts, axis=1))
         turns.append(start)

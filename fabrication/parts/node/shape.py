@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Protocol, Self, TypeVar
 
 from fabrication.boundary import Boundary, Cut
-from fabrication.parts.node.boundary import node_geometry
+from fabrication.parts.node.boundary import SAME_AZIMUTH, node_geometry
 from fabrication.parts.node.congruence import node_key, node_variants
 from fabrication.parts.node.volume import node_volume
 from fabrication.specs import Kind
@@ -42,16 +42,18 @@ class Seat:
 
 @dataclass(frozen=True)
 class RadialHole:
-    """A round hole towards the node axis, perpendicular to it, at height z [mm].
+    """A round hole parallel to a radius of the node, at height z [mm].
 
     depth [mm] is measured from the seat (or from the cylinder where there is none);
-    None: through the wall into the bore.
+    None: through the wall into the bore. across [mm]: from the radius at `azimuth`
+    counterclockwise to the axis of the hole; 0: it points to the node axis.
     """
 
     azimuth: float
     z: float
     diameter: float
     depth: float | None
+    across: float = 0.0
 
 
 _F = TypeVar("_F", Seat, RadialHole)
@@ -117,10 +119,17 @@ class NodeShape:
             found["seat_depth_{k}_mm"] = self.radius - seat.distance if seat else None
             found["seat_width_{k}_mm"] = seat.width if seat else None
         if self.holes:
-            hole = _nearest(self.holes, azimuth)
+            own = _all_near(self.holes, azimuth)
+            hole = own[0] if own else None
             found["hole_{k}_mm"] = hole.z - self.z0 if hole else None
             found["hole_{k}_diameter_mm"] = hole.diameter if hole else None
             found["hole_{k}_depth_mm"] = hole.depth if hole else None
+            if any(hole.across for hole in self.holes):
+                levels, ys = [h.z for h in own], [h.across for h in own]
+                found["hole_{k}_mm"] = min(levels) - self.z0 if own else None
+                found["hole_{k}_count"] = len(own) if own else None
+                found["hole_{k}_across_mm"] = max(ys) - min(ys) if own else None
+                found["hole_{k}_along_mm"] = max(levels) - min(levels) if own else None
         return found
 
     def stock(self) -> tuple[str, float]:
@@ -154,6 +163,14 @@ def _nearest(features: Sequence[_F], azimuth: float | None) -> _F | None:
         return None
     best = min(features, key=lambda feature: abs(turn_between(feature.azimuth, azimuth)))
     return best if abs(turn_between(best.azimuth, azimuth)) <= NEAR else None
+
+
+def _all_near(holes: Sequence[RadialHole], azimuth: float | None) -> list[RadialHole]:
+    """The holes of the arm in a direction."""
+    best = _nearest(holes, azimuth)
+    if best is None:
+        return []
+    return [h for h in holes if abs(turn_between(h.azimuth, best.azimuth)) <= SAME_AZIMUTH]
 
 
 def turn_between(one: float, other: float) -> float:

@@ -23,7 +23,7 @@ def drill_volume(shape: NodeShape, drill: Drill) -> float:
     r = drill.hole.diameter / 2.0
     s, weight = gauss(NODES)
     theta = (s - 0.5) * math.pi
-    across = r * np.sin(theta)
+    across = drill.hole.across + r * np.sin(theta)
     outer: float | Floats = (
         np.sqrt(shape.radius**2 - across**2)
         if drill.seat is None

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Final, Self
 
-from fabrication.parts.beam import StudEnd
+from fabrication.parts.beam import PlateEnd, StudEnd
 from fabrication.parts.fastener import FastenerShape
 from fabrication.specs import Profile
 from fabrication.standards.fasteners import Fastener
@@ -37,6 +37,7 @@ class Drilling:
     diameter : of the hole [mm]
     least, usual : depth of the hole [mm] that is needed, and that is taken where there is room
     thread : length of complete thread [mm] that is needed where the hole goes through a wall
+    across : greatest distance of a hole's axis from the radius that it is parallel to
     """
 
     size: str
@@ -44,6 +45,12 @@ class Drilling:
     least: float
     usual: float
     thread: float
+    across: float = 0.0
+
+    @property
+    def reach(self) -> float:
+        """Greatest distance [mm] of a hole from the radius."""
+        return self.across + 0.5 * self.diameter
 
 
 @dataclass(frozen=True)
@@ -87,7 +94,10 @@ class Joined:
     Attributes
     ----------
     kind : of the connection
-    end : what the beams' ends get
+    end, plate : what the beams' ends get
+    places : (y, w) of the holes of an arm: across it counterclockwise about the node, and up along
+        the node axis, from the middle of the end face
+    cover : height that the node must have about the middle of each end face
     hole, depth : diameter and depth of a radial hole for each arm; no hole, or through the wall
     mounted : the fasteners of an arm, from the node outwards
     beam_hole : diameter of the hole in the beam's end
@@ -106,6 +116,9 @@ class Joined:
     beam_hole: float | None = None
     thread: float | None = None
     grip: float | None = None
+    plate: PlateEnd | None = None
+    places: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
+    cover: float = 0.0
     end_length: float = 0.0
     weld: float | None = None
     tongue: Tongue | None = None
@@ -127,10 +140,13 @@ class Connection(ABC):
     def of(cls, project: Project) -> Self:
         """The one of a project."""
 
-    @property
-    def drilling(self) -> Drilling | None:
+    def drilling(self, profile: Profile) -> Drilling | None:
         """The radial holes that nodes must have room for."""
         return None
+
+    def arm_width(self, profile: Profile) -> float:
+        """Width [mm] that the connection needs of the seat of an arm."""
+        return 0.0
 
     def tongue(self, profile: Profile) -> Tongue | None:
         """The plates that nodes must have; None: no tongues."""

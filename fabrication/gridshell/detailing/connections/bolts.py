@@ -38,10 +38,12 @@ def bolt_specs(
     cos, sin = np.cos(arms.azimuth)[:, None], np.sin(arms.azimuth)[:, None]
     radial = cos * arms.x_axis[arms.node] + sin * side
     # (bolts, A): distances from the node axis, heights along it; directions of the bolts
+    across: Floats = np.zeros((1, 1))
     if joined.tongue is None:
         assert joined.thread is not None
-        rho, node_hole = np.full((1, len(radial)), size.seat), joined.hole
-        heights, along = middle[None], radial
+        across, up = np.array(joined.places).T[:, :, None]
+        rho, node_hole = np.full((len(up), len(radial)), size.seat), joined.hole
+        heights, along = middle + up, radial
         span = (-joined.thread, joined.grip)
     else:
         slope = joints.frames.slope[arms.edge, arms.end] * (1 - 2 * arms.end)
@@ -54,6 +56,7 @@ def bolt_specs(
     assert node_hole is not None
     origin = mesh.vertices[arms.node]
     points = origin + heights[..., None] * axis + rho[..., None] * radial
+    points = points + across[..., None] * np.cross(axis, radial)
     bolts: list[Bolt] = []
     for k, (node, edge, end) in enumerate(
         zip(arms.node.tolist(), arms.edge.tolist(), arms.end.tolist(), strict=True)

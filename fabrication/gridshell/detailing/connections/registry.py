@@ -13,6 +13,7 @@ _HERE = "fabrication.gridshell.detailing.connections"
 MODULES: Final = {
     "welded": (f"{_HERE}.welded", "Welded"),
     "stud": (f"{_HERE}.stud", "Stud"),
+    "end_plate": (f"{_HERE}.end_plate", "EndPlate"),
     "bolted_tongue": (f"{_HERE}.tongue", "BoltedTongue"),
 }
 """Module and class of each kind, by its name in [connection] kind."""

@@ -19,21 +19,22 @@ from fabrication.gridshell.detailing.connections.base import (
     Connection,
     Drilling,
     Joined,
-    Mounted,
     usual_plate,
+)
+from fabrication.gridshell.detailing.connections.threads import (
+    FastenerChoice,
+    check_square,
+    drilling,
+    threaded,
 )
 from fabrication.gridshell.detailing.frames import beam_mark, listed, node_mark
 from fabrication.parts.beam import StudEnd
-from fabrication.parts.beam.boundary import distance_to
-from fabrication.parts.fastener import bolt, nut, stud, washer
-from fabrication.solids.section import segments
+from fabrication.solids.section import distance_to, segments
 from fabrication.specs import Profile
 from fabrication.standards.fasteners import (
     Fastener,
-    bolt_length,
     fastener,
     fasteners,
-    stud_length,
     wrench_swing,
 )
 from fabrication.standards.profiles import z_range
@@ -47,9 +48,6 @@ OPENING_STEP: Final = 5.0
 
 CORNER: Final = 5.0
 """Radius [mm] of an opening's corners."""
-
-DEPTH_STEP: Final = 0.5
-"""Depths of holes [mm] are multiples of this."""
 
 HANDLE: Final = 0.5
 """Thickness of a spanner's handle, in widths across flats."""
@@ -65,7 +63,7 @@ class Stud(Connection):
     """
 
     size: Fastener
-    fastener: str
+    fastener: FastenerChoice
     plate: float
     clearance: float
     thread: float | None = None
@@ -82,13 +80,9 @@ class Stud(Connection):
         thread = None if settings.thread_mm == "auto" else settings.thread_mm
         return cls(size, settings.fastener, plate, project.beam.clearance_mm, thread)
 
-    @property
-    def drilling(self) -> Drilling:
+    def drilling(self, profile: Profile) -> Drilling:
         """Tapped holes, a run-out deeper than their thread."""
-        usual = self.size.usual_thread if self.thread is None else self.thread
-        least = self.size.least_thread if self.thread is None else self.thread
-        runout = self.size.runout
-        return Drilling(self.size.size, self.size.drill, least + runout, usual + runout, least)
+        return drilling(self.size, self.thread)
 
     def check(self, joints: Joints) -> None:
         """Look at profile and end cuts.
@@ -98,20 +92,7 @@ class Stud(Connection):
         DetailError
             See `Connection.check`.
         """
-        if joints.project.beam.end != "flat":
-            raise DetailError(
-                '[connection] kind = "stud" needs flat ends, not [beam] end = "cope": the plate at '
-                "the end of a beam lies flat on its seat"
-            )
-        skew = np.abs(joints.frames.skew).max(axis=1)
-        if skew.any():
-            worst = int(skew.argmax())
-            raise DetailError(
-                f"beam {beam_mark(worst)} has a compound cut, skew by "
-                f"{np.degrees(np.arctan(skew[worst])):.2f} deg, as torsion leaves it: a stud needs "
-                '0\ntake [connection] kind = "welded", or a net without torsion ([optimize] '
-                'goal = "torsion-free")'
-            )
+        check_square(joints, "stud", "a stud")
         slope = float(np.abs(joints.frames.slope).max())
         found = _misfit(self.size, joints.profile)
         if found:
@@ -134,38 +115,10 @@ class Stud(Connection):
         DetailError
             See `Connection.fit`.
         """
-        room, through = size.hole_room(joints, self.drilling)
-        bolt_size, drilling = self.size, self.drilling
-        depth: float | None = None
-        if through:
-            thread = float(room.min())
-        else:
-            depth = min(drilling.usual, DEPTH_STEP * math.floor(float(room.min()) / DEPTH_STEP))
-            depth = max(depth, drilling.least)
-            thread = depth - bolt_size.runout
-        grip = self.clearance + self.plate + bolt_size.washer[2]
-        under = self.clearance + self.plate
-        if self.fastener == "bolt":
-            length = bolt_length(bolt_size, "full", grip + drilling.thread, grip + thread)
-            if length is None:
-                raise self._no_length(joints, grip + drilling.thread, grip + thread)
-            mounted = [
-                Mounted(washer(bolt_size), under, 1),
-                Mounted(bolt(bolt_size, length), grip, -1),
-            ]
-            opening = length + bolt_size.head
-        else:
-            needed = thread + grip + bolt_size.nut + bolt_size.pitch
-            found = stud_length(needed)
-            if found is None:
-                raise self._no_length(joints, needed, math.inf)
-            length = found
-            mounted = [
-                Mounted(stud(bolt_size, length), -thread, 1),
-                Mounted(washer(bolt_size), under, 1),
-                Mounted(nut(bolt_size), grip, 1),
-            ]
-            opening = length
+        bolt_size, under = self.size, self.clearance + self.plate
+        holes = self.drilling(joints.profile)
+        found = threaded(joints, size, bolt_size, holes, under, self.plate, self.fastener)
+        opening = found.length
         opening = OPENING_STEP * math.ceil((opening + 0.5 * OPENING_STEP) / OPENING_STEP)
         low, high = z_range(joints.profile)
         end = StudEnd(
@@ -179,22 +132,13 @@ class Stud(Connection):
             "stud",
             end,
             bolt_size.drill,
-            depth,
-            tuple(mounted),
+            found.depth,
+            found.mounted,
             bolt_size.hole,
-            thread,
-            grip,
-            float(taken),
-            joints.project.connection.weld_mm if len(joints.profile.loops) > 1 else None,
-        )
-
-    def _no_length(self, joints: Joints, least: float, most: float) -> DetailError:
-        arms = joints.arms
-        upto = f" to {most:.1f}" if math.isfinite(most) else " or more"
-        return DetailError(
-            f"node {node_mark(arms.node[0])}, beam {beam_mark(arms.edge[0])} (and all others): a "
-            f"{self.fastener} {self.size.size} of {least:.1f}{upto} mm is needed, and the series "
-            f"has none\ntake another [connection] plate_mm, which is {self.plate:g}"
+            found.thread,
+            found.grip,
+            end_length=float(taken),
+            weld=joints.project.connection.weld_mm if len(joints.profile.loops) > 1 else None,
         )
 
     def _check_strips(self, joints: Joints, end: StudEnd) -> None:

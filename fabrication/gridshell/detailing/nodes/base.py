@@ -33,6 +33,11 @@ class Joints:
     project: Project
     connection: Connection
 
+    @property
+    def rolled(self) -> bool:
+        """Whether torsion rolls beams, so that they need wider seats."""
+        return self.width > max(self.profile.width, self.connection.arm_width(self.profile))
+
     def ends(self, edges: Ints, ends: Ints) -> list[int]:
         """The nodes at some ends (0 or 1) of some edges."""
         node = np.zeros((len(self.frames.length), 2), dtype=np.int64)

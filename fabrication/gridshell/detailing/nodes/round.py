@@ -26,6 +26,9 @@ RADIUS_SLACK: Final = 1e-6
 HOLE_WALL: Final = 3.0
 """Steel [mm] left between the tips of neighbouring blind holes."""
 
+EDGE_OF_BORE: Final = 2.0
+"""From the side of a hole into the bore to the widest place of the bore [mm]."""
+
 MARK: Final = (3.0, 1.0)
 """Diameter and depth [mm] of the reference mark where there is room."""
 
@@ -66,10 +69,12 @@ class Cylinder(NodeSize):
                 size = cls._of(diameter, needed, int(arms.node[worst]), joints)
                 if diameter >= settings.min_diameter_mm and not size.misfit(joints):
                     return size
+            why = size.misfit(joints) if size.radius >= needed - RADIUS_SLACK else ""
             raise DetailError(
                 f"{_forced(arms, worst)}, which needs a diameter of {2 * needed:.1f} mm; the "
-                f"series ends at {series[-1]:g} mm\ntake a narrower [beam] profile"
-                f"{_middle(joints)} or a larger [node] series_mm"
+                f"series ends at {series[-1]:g} mm{f', where {why}' * bool(why)}\n"
+                f"take a narrower [beam] profile{_smaller(joints)}{_middle(joints)} or a "
+                "larger [node] series_mm"
             )
         size = cls._of(settings.diameter_mm, needed, int(arms.node[worst]), joints)
         if size.radius < needed - RADIUS_SLACK:
@@ -102,7 +107,7 @@ class Cylinder(NodeSize):
                 f"of {self.body} of diameter {2 * self.radius:g} mm; at least "
                 f"{LEAST_WALL:g} mm: take {self.remedy} or a larger diameter"
             )
-        drilling = None if joints is None else joints.connection.drilling
+        drilling = None if joints is None else joints.connection.drilling(joints.profile)
         if joints is not None and drilling is not None:
             room, least = float(self._room(joints, drilling).min()), self._least(drilling)
             if room < least - RADIUS_SLACK:
@@ -117,7 +122,8 @@ class Cylinder(NodeSize):
     def hole_room(self, joints: Joints, drilling: Drilling) -> tuple[Floats, bool]:
         """Room (A,) [mm] for the hole of each arm.
 
-        Holes of diameter d at azimuth difference phi meet at (d/2) / tan(phi/2) along their axes.
+        Holes that reach d from the radius, at azimuth difference phi, meet at d / tan(phi/2) along
+        it.
 
         Raises
         ------
@@ -155,7 +161,7 @@ class Cylinder(NodeSize):
         before[arms.following()] = arms.gap
         half_angle = 0.5 * np.minimum(np.minimum(arms.gap, before), np.pi)
         return np.asarray(
-            self.seat - HOLE_WALL - 0.5 * drilling.diameter / np.tan(half_angle), dtype=np.float64
+            self.seat - HOLE_WALL - drilling.reach / np.tan(half_angle), dtype=np.float64
         )
 
     def shapes(
@@ -174,7 +180,11 @@ class Cylinder(NodeSize):
             holes = (
                 ()
                 if hole is None
-                else tuple(RadialHole(azimuths[k], heights[k], hole, depth) for k in own)
+                else tuple(
+                    RadialHole(azimuths[k], heights[k] + up, hole, depth, across)
+                    for k in own
+                    for across, up in joined.places
+                )
             )
             shapes.append(NodeShape(self.radius, bore, low[v], high[v], seats, holes, mark))
         return shapes
@@ -213,8 +223,16 @@ class Tube(Cylinder):
             The wall is too thin for the thread.
         """
         room, least = self._room(joints, drilling), self._least(drilling)
+        arms = joints.arms
+        if self.bore < drilling.reach + EDGE_OF_BORE:
+            raise DetailError(
+                f"node {node_mark(arms.node[0])}: the holes for beam {beam_mark(arms.edge[0])} "
+                f"reach {drilling.reach:.1f} mm from its middle; the bore has a radius of "
+                f"{self.bore:.1f} mm, at least {drilling.reach + EDGE_OF_BORE:.1f} mm are needed\n"
+                f"take a smaller [node] wall_mm, {self._enough(joints)}"
+            )
         if room[0] < least - RADIUS_SLACK:
-            arms, more = joints.arms, self.wall + least - float(room[0])
+            more = self.wall + least - float(room[0])
             raise DetailError(
                 f"node {node_mark(arms.node[0])}: the thread for beam {beam_mark(arms.edge[0])} "
                 f"has {room[0]:.1f} mm of wall behind the seat; {drilling.size} needs {least:g} mm"
@@ -246,13 +264,21 @@ class Tube(Cylinder):
                 f"a tube of diameter {2 * self.radius:g} mm has no bore left with [node] wall_mm = "
                 f"{self.wall:g}: take a thinner wall or a solid cylinder"
             )
+        drilling = None if joints is None else joints.connection.drilling(joints.profile)
+        if drilling is not None and self.bore < drilling.reach + EDGE_OF_BORE:
+            return f"a bore of {2 * self.bore:.1f} mm is too narrow for the holes of an arm"
         return super().misfit(joints)
+
+
+def _smaller(joints: Joints) -> str:
+    """What helps beside a narrower profile where bolts make the seats wide, or need depth."""
+    return "" if joints.connection.drilling(joints.profile) is None else ", a smaller bolt"
 
 
 def _middle(joints: Joints) -> str:
     """What helps beside a narrower profile where torsion rolls it about an edge off its middle."""
     centered = -0.5 * sum(z_range(joints.profile))
-    if joints.width == joints.profile.width:
+    if not joints.rolled:
         return ""
     if joints.project.beam.eccentricity_mm == centered:
         return ""
@@ -260,7 +286,7 @@ def _middle(joints: Joints) -> str:
 
 
 def _rolled(joints: Joints) -> str:
-    if joints.width == joints.profile.width:
+    if not joints.rolled:
         return ""
     return f" at their ends ({joints.profile.name} rolled by torsion)"
 
