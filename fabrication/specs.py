@@ -25,6 +25,9 @@ Role: TypeAlias = str  # what a part is in its structure; every `Kind` names one
 Color: TypeAlias = tuple[float, float, float]  # sRGB, 0..1
 Finish: TypeAlias = Literal["matte", "bright", "glass", "plastic"]
 Form: TypeAlias = Literal["joint", "bar", "sheet", "block"]
+IfcClass: TypeAlias = Literal[
+    "IfcMember", "IfcPlate", "IfcDiscreteAccessory", "IfcMechanicalFastener"
+]
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class Kind:
     finish: Finish = "plastic"
     shown: Color | None = None
     form: Form = "block"
+    ifc: IfcClass = "IfcDiscreteAccessory"
 
     @property
     def layer(self) -> str:

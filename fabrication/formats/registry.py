@@ -15,6 +15,7 @@ MODULES: Final = {
     "stl": "fabrication.formats.stl",
     "3mf": "fabrication.formats.threemf",
     "glb": "fabrication.formats.glb",
+    "ifc": "fabrication.formats.ifc",
     "csv": "fabrication.formats.csv",
     "xlsx": "fabrication.formats.xlsx",
 }

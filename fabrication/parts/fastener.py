@@ -29,6 +29,7 @@ FASTENER: Final = Kind(
     title="Fasteners",
     color=(0.72, 0.74, 0.76),
     finish="bright",
+    ifc="IfcMechanicalFastener",
 )
 
 FastenerKind: TypeAlias = Literal["bolt", "stud", "nut", "washer"]

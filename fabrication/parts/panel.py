@@ -34,6 +34,7 @@ PANEL: Final = Kind(
     finish="glass",
     shown=(0.36, 0.72, 0.76),
     form="sheet",
+    ifc="IfcPlate",
 )
 
 M2_PER_MM2: Final = 1e-6

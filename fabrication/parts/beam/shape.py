@@ -26,6 +26,7 @@ BEAM: Final = Kind(
     finish="matte",
     shown=(0.36, 0.42, 0.49),
     form="bar",
+    ifc="IfcMember",
 )
 
 
