@@ -27,8 +27,8 @@ def beam(profile: str, start: float, end: float, *holes: CrossHole) -> Boundary:
     return made
 
 
-def pane(radius: float, inner: np.ndarray = SQUARE) -> Boundary:
-    made = boundary_of(PanelShape(12.0, inner, SQUARE, radius))
+def pane(radius: float) -> Boundary:
+    made = boundary_of(PanelShape(12.0, SQUARE, SQUARE, radius))
     assert made is not None
     return made
 
@@ -100,8 +100,11 @@ def test_a_flat_bar_with_holes_is_one_through_its_thickness() -> None:
 
 def test_what_has_faces_of_other_kinds_is_none() -> None:
     assert prism(beam("RHS 100x50x4", 0.0, 0.0, CrossHole(300.0, -40.0, 13.0))) is None
-    mitred = (SQUARE - SQUARE.mean(axis=0)) * 0.98 + SQUARE.mean(axis=0)
-    assert prism(pane(0.0, mitred)) is None
+    skew = np.array([[0.0, 0.0], [900.0, 0.0], [850.0, 720.0], [20.0, 650.0]])
+    middle = skew.mean(axis=0)
+    mitred = boundary_of(PanelShape(12.0, (skew - middle) * 0.98 + middle, skew, 0.0))
+    assert mitred is not None
+    assert prism(mitred) is None
     coped = boundary_of(
         BeamShape(section("FL 80x10"), EndCut(40.0, 0.0, 45.0), EndCut(1300.0, 0.0, None))
     )
