@@ -106,7 +106,7 @@ def test_what_has_faces_of_other_kinds_is_none() -> None:
     assert mitred is not None
     assert prism(mitred) is None
     coped = boundary_of(
-        BeamShape(section("FL 80x10"), EndCut(40.0, 0.0, 45.0), EndCut(1300.0, 0.0, None))
+        BeamShape(section("FL 80x10"), EndCut(40.0, 0.1, 45.0), EndCut(1300.0, 0.0, None))
     )
     assert coped is not None
     assert prism(coped) is None
