@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 
 from ddgfab.forms import monge, profile_polyline
 from ddgfab.forms.canal import canal_net
 from ddgfab.mesh import Floats, unit
+from ddgfab.nets import conjugate as cn
 from ddgfab.transforms import invert
 
 
@@ -103,3 +106,20 @@ def apart(one: Floats, two: Floats) -> float:
     a, b = centered(one), centered(two)
     u, _, vt = np.linalg.svd(a.T @ b)
     return float(np.abs(a @ (u @ vt) - b).max())
+
+
+def surfaces(sizes: tuple[int, ...], dim: int, seed: int = 0, size: float = 0.1) -> dict:
+    """Random conjugate coordinate surfaces with common axes."""
+    rng = np.random.default_rng(seed)
+    lines = []
+    for k, n in enumerate(sizes):
+        steps = 0.15 * rng.normal(size=(n - 1, dim))
+        steps[:, k % dim] += 1.0
+        if k >= dim:
+            steps += 0.5
+        lines.append(np.concatenate([np.zeros((1, dim)), np.cumsum(steps, axis=0)]))
+    out = {}
+    for k, m in combinations(range(len(sizes)), 2):
+        c = rng.uniform(-size, size, size=(2, sizes[k] - 1, sizes[m] - 1))
+        out[k, m] = cn.evolve_conjugate(lines[k], lines[m], c[0], c[1])
+    return out

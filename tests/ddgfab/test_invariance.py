@@ -6,7 +6,7 @@ The transforms have the same test in test_transforms_similarity.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,18 +29,16 @@ from invariance_cases import (
     relabelled,
 )
 from net_cases import catenoid_net, koebe_net, planar_net, skew_net
-from optimize_meshes import wavy
 from similarity_cases import SIMILARITIES, Similarity
 
 from ddgfab import measures, nets
-from ddgfab.errors import DdgError, SupportError
+from ddgfab.errors import DdgError
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.nets.knet import skew_parallelogram
 from ddgfab.nets.minimal import minimal_surface
 from ddgfab.nets.sisothermic import SIsothermic
-from ddgfab.optimize import Goal, TorsionFreeResult, optimize
-from ddgfab.support import SupportKind, support_structure
+from ddgfab.support import support_structure
 from ddgfab.transforms import christoffel_dual, gauss_image, invert, mesh_curvatures
 
 # --- measures ------------------------------------------------------------------------------------
@@ -140,80 +138,6 @@ def test_vertex_normals_are_weighted_by_area() -> None:
             area = sum(np.cross(p[i - 1] - p.mean(0), p[i] - p.mean(0)) for i in range(len(p)))
             total[face] += area
         np.testing.assert_allclose(shape.vertex_normals, unit(total), atol=1e-12)
-
-
-# --- goals ---------------------------------------------------------------------------------------
-@pytest.mark.parametrize(
-    "goal", [g for g in get_args(Goal) if g in ("planar", "circular", "conical")]
-)
-def test_goals_under_similarities(goal: Goal) -> None:
-    mesh = wavy(4)
-    plain = optimize(mesh, goal, rise_limit=0.5).mesh.vertices
-    for at in NEAR:
-        found = optimize(at.mesh(mesh), goal, rise_limit=0.5).mesh.vertices
-        error = np.abs(found - at(plain)).max() / at.scale
-        assert error < max(1e-6, 1e3 * at.rounding), (at.name, error)
-    other, vertices, _ = relabelled(mesh)
-    found = optimize(other, goal, rise_limit=0.5).mesh.vertices
-    assert np.abs(found - plain[vertices]).max() < 1e-6
-
-
-def bent(m: int = 5, n: int = 4) -> Mesh:
-    """A bent grid off the principal directions, without symmetry."""
-    i, j = np.meshgrid(np.arange(m + 1.0), np.arange(n + 1.0), indexing="ij")
-    x, y = i + 0.15 * j, 1.1 * j - 0.1 * i + 0.01 * i**2
-    return grid_mesh(np.stack([x, y, -0.08 * x**2 - 0.05 * y**2 - 0.03 * x * y], axis=-1))
-
-
-def test_torsion_free_meshes_and_axes_under_similarities() -> None:
-    mesh = bent()
-
-    def run(one: Mesh) -> tuple[Floats, Floats]:
-        found = optimize(one, "torsion-free", max_lean=np.radians(15.0))
-        assert isinstance(found, TorsionFreeResult)
-        return found.mesh.vertices, found.axes
-
-    points, axes = run(mesh)
-    for at in NEAR:
-        moved, turned = run(at.mesh(mesh))
-        limit = max(1e-6, 1e4 * at.rounding)
-        assert np.abs(moved - at(points)).max() / at.scale < limit, at.name
-        assert np.abs(turned - at.vectors(axes, 0)).max() < limit, at.name
-    other, vertices, _ = relabelled(mesh)
-    moved, turned = run(other)
-    assert np.abs(moved - points[vertices]).max() < 1e-6
-    assert np.abs(turned - axes[vertices]).max() < 1e-6
-
-
-# --- node axes -----------------------------------------------------------------------------------
-SUPPORTS: dict[str, Mesh] = {
-    "normal": MESHES["circular"],
-    "axis": MESHES["conical"],
-    "offset": grid_mesh(planar_net() / 1000.0),
-    "optimize": MESHES["skew"],
-    "central": grid_mesh(koebe_net()),
-    "normals": MESHES["K-net"],
-    "edge": grid_mesh(koebe_net()),
-    "auto": MESHES["circular"],
-}
-
-
-@pytest.mark.parametrize("kind", get_args(SupportKind))
-def test_node_axes_under_similarities(kind: SupportKind) -> None:
-    mesh = SUPPORTS[kind]
-    plain = support_structure(mesh, kind).axes
-    for at in NEAR:
-        found = support_structure(at.mesh(mesh), kind).axes
-        error = np.abs(found - at.vectors(plain, 0)).max()
-        assert error < max(1e-6, 1e4 * at.rounding), (at.name, error)
-    other, vertices, _ = relabelled(mesh)
-    assert np.abs(support_structure(other, kind).axes - plain[vertices]).max() < 1e-6
-
-
-def test_refusals_do_not_depend_on_the_place() -> None:
-    for at in NEAR:
-        with pytest.raises(SupportError, match="from planar"):
-            support_structure(at.mesh(MESHES["skew"]), "normal")
 
 
 # --- evolutions and constructions ----------------------------------------------------------------

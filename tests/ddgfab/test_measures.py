@@ -7,15 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from measure_meshes import grid, mixed, random_grid
 
-from ddgfab.errors import MeshError
 from ddgfab.io import read_mesh
 from ddgfab.measures import (
     chebyshev_defect,
     circular_defect,
     conical_defect,
     dihedral_angles,
-    lean,
     planarity,
     planarity_percent,
     star_defect,
@@ -33,32 +32,6 @@ SCALAR = {  # measure, power of the scale it goes with
     "dihedral": (dihedral_angles, 0),
     "torsion": (lambda mesh: torsion(mesh, mesh.vertex_normals), 0),
 }
-
-
-def grid(points: Floats) -> Mesh:
-    """Mesh of an (m, n, 3) net."""
-    m, n, _ = points.shape
-    at = (np.arange(m - 1)[:, None] * n + np.arange(n - 1)).ravel()
-    return Mesh.build(points.reshape(-1, 3), np.stack([at, at + n, at + n + 1, at + 1], axis=1))
-
-
-def random_grid(seed: int, m: int = 5, n: int = 6) -> Mesh:
-    rng = np.random.default_rng(seed)
-    i, j = np.meshgrid(np.arange(m), np.arange(n), indexing="ij")
-    return grid(np.stack([i, j, 0 * i], axis=-1) + rng.uniform(-0.2, 0.2, (m, n, 3)))
-
-
-def mixed() -> Mesh:
-    """A pentagon, a ring of skew quads, a ring of triangles: inner valences 3 and 5."""
-    t = np.arange(5) * 2 * np.pi / 5
-    top = np.stack([np.cos(t), np.sin(t), 1 + 0.1 * np.sin(2 * t)], axis=1)
-    middle = np.stack([2 * np.cos(t + 0.2), 2 * np.sin(t + 0.2), 0 * t], axis=1)
-    low = np.stack([3 * np.cos(t - 0.4), 3 * np.sin(t - 0.4), 0.3 * np.sin(t) - 1.5], axis=1)
-    after = [1, 2, 3, 4, 0]
-    faces = [[0, 1, 2, 3, 4]]
-    for k, m in enumerate(after):
-        faces += [[k, 5 + k, 5 + m, m], [5 + k, 10 + k, 10 + m], [5 + k, 10 + m, 5 + m]]
-    return Mesh.build(np.concatenate([top, middle, low]), faces)
 
 
 def rotation(seed: int) -> Floats:
@@ -257,69 +230,6 @@ def test_dihedral_angles_of_a_cube_a_valley_and_a_plane() -> None:
         angle = dihedral_angles(grid(net))
         # A valley (slope up on both sides) is concave seen from above.
         assert angle.sum() == pytest.approx(-2 * np.arctan(slope))
-
-
-# --- torsion and lean ---------------------------------------------------------------------------
-def one_edge() -> Mesh:
-    """A triangle whose edge 0 runs along x."""
-    return Mesh.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-
-
-@pytest.mark.parametrize("degrees", [0, 1e-7, 10, 45, 89])
-def test_torsion_of_the_published_example(degrees: float) -> None:
-    # mathematics.md 10.2: e = (1, 0, 0), a = (0, 0, 1) and (0, sin 10, cos 10): 10 deg.
-    angle = np.radians(degrees)
-    axes = np.array([[0, 0, 1], [0, np.sin(angle), np.cos(angle)], [0, 0, 1]])
-    mesh = one_edge()
-    assert torsion(mesh, axes)[0] == pytest.approx(angle, rel=1e-8, abs=1e-16)
-    # Lines have neither direction nor length, and a part along the edge does not matter.
-    other = axes * [[-3.0], [0.2], [1.0]] + [[5.0, 0, 0], [0, 0, 0], [0, 0, 0]]
-    assert torsion(mesh, other)[0] == pytest.approx(angle, rel=1e-8, abs=1e-15)
-
-
-def test_torsion_is_folded_at_a_right_angle() -> None:
-    angle = np.radians(170)
-    axes = np.array([[0, 0, 1], [0, np.sin(angle), np.cos(angle)], [0, 0, 1]])
-    assert torsion(one_edge(), axes)[0] == pytest.approx(np.radians(10))
-
-
-def test_axes_along_an_edge_never_pass_for_torsion_free() -> None:
-    mesh = one_edge()
-    for axis in ([1, 0, 0], [0, 0, 0]):
-        assert torsion(mesh, [axis, [0, 0, 1], [0, 0, 1]])[0] == np.pi / 2
-
-
-def test_axes_through_one_center_are_torsion_free_on_any_mesh() -> None:
-    for mesh in (random_grid(11), mixed()):
-        assert torsion(mesh, mesh.vertices - [0.3, 0.4, -5]).max() < 1e-14
-        assert torsion(mesh, mesh.vertex_normals).max() > 0.01
-
-
-def test_torsion_is_zero_just_where_the_determinant_is() -> None:
-    rng = np.random.default_rng(6)
-    mesh = random_grid(6)
-    axes = unit(rng.normal(size=mesh.vertices.shape))
-    i, j = mesh.edges.T
-    along = unit(mesh.edge_vectors)
-    det = np.linalg.det(np.stack([along, axes[i], axes[j]], axis=1))
-    first, second = np.cross(along, axes[i]), np.cross(along, axes[j])
-    sine = np.abs(det) / np.linalg.norm(first, axis=1) / np.linalg.norm(second, axis=1)
-    assert np.sin(torsion(mesh, axes)) == pytest.approx(sine, abs=1e-12)
-
-
-def test_lean_keeps_the_side() -> None:
-    mesh = one_edge()
-    axes = [[0, 0, 2], [1, 0, 1], [0, 0, -1]]
-    assert np.degrees(lean(mesh, axes)) == pytest.approx([0, 45, 180])
-
-
-@pytest.mark.parametrize("function", [torsion, lean])
-def test_wrong_axes_are_refused(function: Callable[[Mesh, object], Floats]) -> None:
-    mesh = one_edge()
-    with pytest.raises(MeshError, match=r"shape \(2, 3\); expected \(3, 3\)"):
-        function(mesh, np.zeros((2, 3)))
-    with pytest.raises(MeshError, match="axis of vertex 1 is not finite"):
-        function(mesh, [[0, 0, 1], [0, np.nan, 1], [0, 0, 1]])
 
 
 # --- meshes of others, against numbers measured independently -----------------------------------

@@ -1,4 +1,4 @@
-"""A small roof made once for all tests of the way from a mesh to files."""
+"""A small roof and a kit made once for all tests of the way from input to files."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from roofs import barrel
 from fabrication.gridshell.design import Design, design
 from fabrication.job.result import JobResult
 from fabrication.job.run import make
+from fabrication.linkage.kit import Kit, kit
 
 
 @pytest.fixture(scope="session")
@@ -28,3 +29,15 @@ def small_job(small_design: Design, tmp_path_factory: pytest.TempPathFactory) ->
 def small_folder(small_job: JobResult) -> Path:
     """Where they are."""
     return small_job.folder
+
+
+@pytest.fixture(scope="session")
+def bennett() -> Kit:
+    """The default kit."""
+    return kit("bennett")
+
+
+@pytest.fixture(scope="session")
+def kit_job(bennett: Kit, tmp_path_factory: pytest.TempPathFactory) -> JobResult:
+    """Its files."""
+    return make(bennett, tmp_path_factory.mktemp("kits") / "bennett")

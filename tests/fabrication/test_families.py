@@ -3,55 +3,22 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from detailing_cases import dome, fan, grid, placed, vertical
-from scipy.spatial.transform import Rotation
+from family_pieces import beam, marks, node, panel
 
-from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
 from fabrication.families import families
-from fabrication.gridshell.pieces import Beam, Node, Panel
-from fabrication.linkage.pieces import Loose
+from fabrication.gridshell.pieces import Node
 from fabrication.parts.beam import BeamShape, EndCut, fibre_ends
-from fabrication.parts.node import NodeShape, RadialHole, Seat
-from fabrication.parts.panel import PANEL, PanelShape, panel_variants
-from fabrication.parts.pin import PIN, PinShape
-from fabrication.specs import Check, Family, Piece
-from fabrication.standards import polygon, profile
+from fabrication.parts.node import NodeShape, RadialHole
+from fabrication.parts.panel import PanelShape, panel_variants
+from fabrication.specs import Family, Piece
+from fabrication.standards import polygon
 from fabrication.standards.profiles import z_range
-
-
-def motion(seed: int) -> Floats:
-    rng = np.random.default_rng(seed)
-    m = np.eye(4)
-    m[:3, :3] = Rotation.random(random_state=rng).as_matrix()
-    m[:3, 3] = rng.uniform(-5000, 5000, 3)
-    return m
-
-
-def panel(face: int, inner: Floats, outer: Floats | None = None, thickness: float = 10.0) -> Panel:
-    shape = PanelShape(thickness, inner, inner if outer is None else outer)
-    return Panel(f"P-{face:04d}", face, 0.0, 0.0, "flat", (), shape, motion(face))
-
-
-def beam(edge: int, start: EndCut, end: EndCut, section: str = "FL 60x8") -> Beam:
-    shape = BeamShape(profile(section), start, end)
-    mark = f"B-{edge:04d}"
-    return Beam(mark, edge, (0, 1), ("", ""), (None, None), 1.0, 0.0, shape, motion(edge))
-
-
-def node(vertex: int, azimuths: list[float], z0: float = -60.0, radius: float = 20.0) -> Node:
-    seats = tuple(Seat(a, 19.0, 8.0) for a in azimuths)
-    shape = NodeShape(radius, 0.0, z0, z0 + 65, seats)
-    m = motion(vertex)
-    return Node(f"N-{vertex:04d}", vertex, m[:3, 3], m[:3, 2], 0.0, (), shape, m)
-
-
-def marks(found: tuple[Family, ...]) -> list[list[str]]:
-    return [[i.mark for i in f.instances] for f in found]
 
 
 def rotated(points: Floats, angle: float, shift: tuple[float, float] = (0.0, 0.0)) -> Floats:
@@ -259,45 +226,11 @@ def test_just_inside_and_just_outside_the_tolerance(
         assert panels[0].deviation == pytest.approx(off)
 
 
-def test_kinds_come_in_the_order_of_their_pieces_and_share_no_prefix() -> None:
-    one, two = node(0, [0.0]), beam(0, EndCut(20, 0.0), EndCut(900, 0.0))
-    assert [f.number for f in families([one, two])] == ["NP-001", "BP-001"]
-    assert [f.number for f in families([two, one])] == ["BP-001", "NP-001"]
-    plate = replace(panel(1, TRAPEZE))
-    object.__setattr__(plate, "kind", replace(PANEL, role="plate"))
-    with pytest.raises(InputError, match='"panel" and "plate" both have part numbers PP-001'):
-        families([panel(0, TRAPEZE), plate])
-
-
-def test_shapes_of_two_classes_are_never_congruent() -> None:
-    """Even if their keys and points agree."""
-
-    @dataclass(frozen=True, eq=False)
-    class Other(NodeShape):
-        pass
-
-    own = node(0, [0.0, 2.0])
-    shape = Other(**{f.name: getattr(own.shape, f.name) for f in fields(own.shape)})
-    assert shape.key() == own.shape.key()
-    found = families([own, replace(node(1, [0.0, 2.0]), shape=shape)])
-    assert [f.number for f in found] == ["NP-001", "NP-002"]
-
-
 def test_deviation_is_measured_on_the_corners() -> None:
     found = families(
         [beam(0, EndCut(20, 0.0), EndCut(900, 0.0)), beam(1, EndCut(20, 0.0), EndCut(900.1, 0.0))]
     )
     assert found[0].deviation == pytest.approx(0.05)  # shared between both ends
-
-
-def test_pieces_beyond_a_limit_have_numbers_of_their_own() -> None:
-    failed = replace(panel(1, TRAPEZE), checks=(Check("planarity_mm", False, 9.0, 1.0),))
-    assert len(families([panel(0, TRAPEZE), failed, panel(2, TRAPEZE)])) == 2
-
-
-def test_empty_and_single() -> None:
-    assert families([]) == ()
-    assert marks(families([panel(5, TRAPEZE)])) == [["P-0005"]]
 
 
 @pytest.mark.parametrize("end", ["flat", "cope"])
@@ -340,13 +273,3 @@ def test_noise_changes_nothing() -> None:
     for a, b in zip(first, second, strict=True):
         for i, j in zip(a.instances, b.instances, strict=True):
             assert np.allclose(i.placement, j.placement, atol=1e-9)
-
-
-def test_pieces_whose_key_is_everything_keep_their_places() -> None:
-    shapes = [PinShape(3.0, 12.0, 5.0, 1.5), PinShape(3.0, 12.0, 5.0, 1.5), PinShape(3.0, 14.0)]
-    pieces = [Loose(f"H-{k:04d}", PIN, shape, motion(k)) for k, shape in enumerate(shapes)]
-    found = families(pieces)
-    assert marks(found) == [["H-0000", "H-0001"], ["H-0002"]]
-    for family in found:
-        for instance in family.instances:
-            assert np.allclose(instance.placement, motion(int(instance.mark[2:])), atol=1e-9)

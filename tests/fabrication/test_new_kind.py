@@ -270,13 +270,8 @@ def test_a_cut_is_made_by_the_kernel() -> None:
     made = realise(drilled)
     assert made.properties.volume == drilled.second_volume()
     assert made.genus == 2
-    found = check_mesh(
-        made.mesh,
-        volume=made.properties.volume,
-        area=made.properties.area,
-        chord=0.05,
-        genus=made.genus,
-    )
+    volume, area = made.properties.volume, made.properties.area
+    found = check_mesh(made.mesh, volume=volume, area=area, chord=0.05, genus=made.genus)
     assert [check.name for check in found if not check.passed] == []
     with_solid = Product("GP-001", GUSSET, solid, made.properties, STEEL)
     assert b"'GUSSETS'" in part_bytes(with_solid, "GP-001.step")
@@ -345,13 +340,9 @@ def test_a_whole_job_with_a_piece_beyond_its_limit_and_a_clash(tmp_path: Path) -
     assert (folder / "rejected" / "step" / "GP-004.step").exists()
     with (folder / "schedules" / "brackets.csv").open(encoding="utf-8", newline="") as file:
         status = {row["number"]: row["status"] for row in csv.DictReader(file)}
-    assert status == {
-        "GP-001": "rejected: G-0005 G-0000",  # two of three
-        "GP-002": "ok",
-        "GP-003": "ok",
-        "GP-004": "rejected",
-        "NP-001": "ok",
-    }
+    assert status.pop("GP-001") == "rejected: G-0005 G-0000"  # two of three
+    assert status.pop("GP-004") == "rejected"
+    assert status == {"GP-002": "ok", "GP-003": "ok", "NP-001": "ok"}
     content = read_step(folder / "assembly.step")
     apart = {mark for mark, names in content.layers.items() if names == {"REJECTED"}}
     assert apart == {"G-0000", "G-0004", "G-0005"} == set(result.manifest["rejected"])
