@@ -231,6 +231,10 @@ class Format:
         """The value of an option: that of the project, or the default."""
         return about.options.get(self.name, {}).get(name, self.options[name][0])
 
+    def takes(self, family: Family) -> bool:
+        """Whether there is a file of this part number in the format."""
+        return True
+
     def write_part(self, path: Path, part: Part, about: About) -> None:
         """Write the file of one part number."""
 

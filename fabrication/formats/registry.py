@@ -16,6 +16,7 @@ MODULES: Final = {
     "3mf": "fabrication.formats.threemf",
     "glb": "fabrication.formats.glb",
     "ifc": "fabrication.formats.ifc",
+    "dxf": "fabrication.formats.dxf",
     "csv": "fabrication.formats.csv",
     "xlsx": "fabrication.formats.xlsx",
 }

@@ -26,7 +26,7 @@ def part_files(product: Product, shop: Shop, failed: frozenset[str] = frozenset(
     found = []
     for family in product.families:
         bad = [instance.mark in failed for instance in family.instances]
-        for _, path in shop.files(family.number):
+        for _, path in shop.files(family):
             if not all(bad):
                 found.append(path.relative_to(shop.folder).as_posix())
             if any(bad):

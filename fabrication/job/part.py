@@ -32,11 +32,12 @@ class Shop:
     about: About
     chord: float
 
-    def files(self, number: str) -> list[tuple[Format, Path]]:
-        """The files of a part number."""
+    def files(self, family: Family) -> list[tuple[Format, Path]]:
+        """The files of a part number, in the formats that take it."""
         return [
-            (format, self.folder / PARTS / format.name / f"{number}{format.suffixes[0]}")
+            (format, self.folder / PARTS / format.name / f"{family.number}{format.suffixes[0]}")
             for format in self.formats
+            if format.takes(family)
         ]
 
 
@@ -85,7 +86,7 @@ def make_part(family: Family, material: Material, shop: Shop) -> Made:
     ]
     checked = time.perf_counter()
     part = Part.of(family, made, material)
-    for format, path in shop.files(part.number):
+    for format, path in shop.files(part.family):
         format.write_part(path, part, shop.about)
     seconds = {
         "part build": built - begin,
@@ -102,7 +103,7 @@ def read_back(parts: Sequence[Part], shop: Shop) -> tuple[dict[str, list[Check]]
     for part in parts:
         crossing = float(len(crossings(part.mesh)))
         found[part.number] = [Check("mesh crossings", crossing == 0, crossing, 0.0)]
-        for format, path in shop.files(part.number):
+        for format, path in shop.files(part.family):
             found[part.number] += format.check_part(path, part)
         part.release()
     return found, time.perf_counter() - begin

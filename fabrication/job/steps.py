@@ -105,8 +105,8 @@ class Steps:
         """All part numbers, in the pool."""
         families = self.product.families
         orders = [(family, self.product.material(family.role)) for family in families]
-        for _, path in self.shop.files("any"):
-            path.parent.mkdir(parents=True, exist_ok=True)
+        for folder in {path.parent for f in families for _, path in self.shop.files(f)}:
+            folder.mkdir(parents=True, exist_ok=True)
         self.progress("parts", 0, len(orders))
         futures, begun = [], 0
         for batch in _batches(orders):
@@ -190,7 +190,7 @@ class Steps:
             bad = [instance.mark in failed for instance in family.instances]
             if not any(bad):
                 continue
-            for _, path in self.shop.files(family.number):
+            for _, path in self.shop.files(family):
                 target = self.shop.folder / REJECTED / path.relative_to(self.shop.folder / PARTS)
                 target.parent.mkdir(parents=True, exist_ok=True)
                 if all(bad):

@@ -122,8 +122,8 @@ def _swept(boundary: Boundary, way: Floats) -> Prism | None:
     on_cap[boundary.coedge_edge[~side[boundary.coedge_face]]] = True
     if (boundary.edge_arc[~on_cap] >= 0).any():
         return None
-    frame = _frame(way)
-    loops = _loops(boundary, high, frame)
+    frame = frame_along(way)
+    loops = seen_loops(boundary, high, frame)
     if loops is None:
         return None
     wide = float(np.ptp(np.vstack([loop.points for loop in loops]), axis=0).max())
@@ -133,7 +133,7 @@ def _swept(boundary: Boundary, way: Floats) -> Prism | None:
     return Prism(frame, loops, begin, end, (least, greatest))
 
 
-def _frame(way: Floats) -> Floats:
+def frame_along(way: Floats) -> Floats:
     """(4, 4): w along the direction; u along the coordinate axis that follows it, as far as can be.
 
     Its origin is the part's own, so that a section keeps its place about the axis of a bar.
@@ -146,8 +146,8 @@ def _frame(way: Floats) -> Floats:
     return frame
 
 
-def _loops(boundary: Boundary, cap: int, frame: Floats) -> tuple[Loop, ...] | None:
-    """The loops of a cap, seen along the sweep; None where an arc is none from there."""
+def seen_loops(boundary: Boundary, cap: int, frame: Floats) -> tuple[Loop, ...] | None:
+    """The loops of a face in (u, v) of a frame; None where an arc is none, seen along its w."""
     u, v = frame[:3, 0], frame[:3, 1]
     out = []
     for loop in np.flatnonzero(boundary.loop_face == cap).tolist():

@@ -1,0 +1,93 @@
+"""Plates as text DXF; header, tables and objects are ezdxf's, the outlines are written here."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Final
+
+from fabrication.solids.plate import Plate
+from fabrication.specs import Loop
+
+CUT: Final = "CUT"
+DETAIL: Final = "DETAIL"
+LAYERS: Final = {CUT: 7, DETAIL: 8}
+"""Layers and their colors by index: what is cut through; the outline of the smaller face."""
+
+_FIRST_HANDLE: Final = 0x1000
+
+
+def dxf_text(flat: Plate, release: str = "R2010") -> str:
+    """A plate as DXF of a release, R2010 or R12; the latter names no unit.
+
+    Every file of a release has the same header, tables and objects, made by ezdxf once.
+    """
+    before, after, owner = _template(release)
+    handles = iter(range(_FIRST_HANDLE, 1 << 32))
+    drawn = [(CUT, loop) for loop in flat.loops] + [(DETAIL, loop) for loop in flat.other]
+    draw = _lightweight if release != "R12" else _vertices
+    entities = [line for layer, loop in drawn for line in draw(layer, loop, handles, owner)]
+    seed = f"{next(handles):X}"
+    return before.replace("$SEED$", seed) + "".join(f"{line}\n" for line in entities) + after
+
+
+@lru_cache(maxsize=4)
+def _template(release: str) -> tuple[str, str, str]:
+    """Text before and after the entities, and the handle of the model space."""
+    from ezdxf import options, units  # type: ignore[attr-defined]  # no __all__
+    from ezdxf.filemanagement import new
+    from ezdxf.lldxf import const
+
+    fixed = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True  # no dates, no random ids
+    try:
+        document = new(release)
+        if document.dxfversion > const.DXF12:
+            document.units = units.MM
+        else:  # that release has no such variable, and ezdxf warns of it
+            del document.header["$INSUNITS"]
+        for layer, color in LAYERS.items():
+            document.layers.add(layer, color=color)
+        stream = io.StringIO()
+        document.write(stream)
+    finally:
+        options.write_fixed_meta_data_for_testing = fixed
+    text = stream.getvalue()
+    start = "  2\nENTITIES\n"
+    at = text.index(start) + len(start)
+    before = text[:at]
+    seed = before.index("$HANDSEED\n  5\n") + len("$HANDSEED\n  5\n")
+    before = before[:seed] + "$SEED$" + before[before.index("\n", seed) :]
+    return before, text[at:], document.modelspace().layout_key
+
+
+def _lightweight(layer: str, loop: Loop, handles: Iterator[int], owner: str) -> list[str]:
+    """LWPOLYLINE, closed."""
+    head = ["LWPOLYLINE", f"{next(handles):X}", owner, "AcDbEntity", layer, "AcDbPolyline"]
+    lines = [
+        f"{code:3d}\n{value}" for code, value in zip((0, 5, 330, 100, 8, 100), head, strict=True)
+    ]
+    lines += [f" 90\n{len(loop.points)}", " 70\n1"]
+    for (x, y), bulge in zip(loop.points.tolist(), loop.bulges.tolist(), strict=True):
+        lines.append(f" 10\n{_number(x)}\n 20\n{_number(y)}")
+        if bulge:
+            lines.append(f" 42\n{_number(bulge)}")
+    return lines
+
+
+def _vertices(layer: str, loop: Loop, handles: Iterator[int], owner: str) -> list[str]:
+    """POLYLINE, closed, with its VERTEX entities, as R12 has it."""
+    lines = [
+        f"  0\nPOLYLINE\n  5\n{next(handles):X}\n  8\n{layer}\n 66\n1",
+        " 10\n0.0\n 20\n0.0\n 30\n0.0\n 70\n1",
+    ]
+    for (x, y), bulge in zip(loop.points.tolist(), loop.bulges.tolist(), strict=True):
+        at = f" 10\n{_number(x)}\n 20\n{_number(y)}\n 30\n0.0\n 42\n{_number(bulge)}"
+        lines.append(f"  0\nVERTEX\n  5\n{next(handles):X}\n  8\n{layer}\n{at}")
+    return [*lines, f"  0\nSEQEND\n  5\n{next(handles):X}\n  8\n{layer}"]
+
+
+def _number(value: float) -> str:
+    """At 1e-9 mm, without the sign of a zero."""
+    return repr(round(value, 9) + 0.0)
