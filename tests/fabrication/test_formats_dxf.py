@@ -106,7 +106,7 @@ def test_a_flat_bar_has_its_holes_and_mitres(tmp_path: Path) -> None:
     assert (area(outer) > 0.0, area(hole) < 0.0) == (True, True)
     assert area(hole) == pytest.approx(-math.pi * 6.5**2, rel=5e-4)
     # A trapezoid: lengths at its top and bottom, z = 0 and -80, times the depth.
-    top, bottom = 1260.0, 1260.0 - (-0.1 - 0.2) * -80.0
+    top, bottom = 1260.0, 1260.0 + (-0.1 - 0.2) * -80.0
     assert area(outer) == pytest.approx(0.5 * (top + bottom) * 80.0, rel=1e-9)
     # The hole keeps its distance from the nearer end and side.
     assert np.linalg.norm(outer[:-1] - hole.mean(axis=0), axis=1).min() == pytest.approx(
