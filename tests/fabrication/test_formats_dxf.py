@@ -50,7 +50,7 @@ def written(made: Part, folder: Path, release: str = "R2010") -> Path:
 
 
 def drawn(path: Path) -> tuple[Any, dict[str, list[np.ndarray]]]:
-    """The document by ezdxf, and its outlines flattened, by layer (ezdxf draws arcs as Bezier curves)."""
+    """The document by ezdxf, and its outlines by layer; ezdxf flattens arcs as Bezier curves."""
     import ezdxf.filemanagement
     import ezdxf.path
 
