@@ -29,6 +29,7 @@ INSIDE_FUNCTIONS_ONLY = {
 # A room (module or folder) of ddgfab may import itself and the rooms before it.
 GEOMETRY_ROOMS = [
     "errors",
+    "instead",
     "arguments",
     "suggest",
     "tolerances",

@@ -36,12 +36,24 @@ ROOMS = {
     "motion": (["fabrication/motion"], ["test_motion_*", "test_linkage_poses"]),
     "job": (
         ["fabrication/job"],
-        [f"test_job_{name}" for name in ("folder", "lock", "names", "others", "problems", "run")],
+        [
+            f"test_job_{name}"
+            for name in (
+                *("folder", "limits", "lock", "names", "others"),
+                *("problems", "run", "sources"),
+            )
+        ],
     ),
     "support": (["ddgfab/support"], ["test_support_*"]),
     "detailing": (
         ["fabrication/gridshell/detailing"],
-        [f"test_gridshell_{name}" for name in ("beams", "nodes", "panels", "axes", "schedules")],
+        [
+            *("test_connections*", "test_new_node"),
+            *(
+                f"test_gridshell_{name}"
+                for name in ("beams", "nodes", "panels", "axes", "schedules", "rules", "frames")
+            ),
+        ],
     ),
     "parts": (
         ["fabrication/parts"],

@@ -173,6 +173,15 @@ def unload(names: Iterable[str]) -> None:
             delattr(package, last)
 
 
+def rebind(names: Iterable[str]) -> None:
+    """Import packages again that were forgotten, and give them the modules that were not."""
+    packages = set(names)
+    for name, module in list(sys.modules.items()):
+        above, _, last = name.rpartition(".")
+        if above in packages:
+            setattr(importlib.import_module(above), last, module)
+
+
 def forked(
     clone: Path, tests: Iterable[str], output: Path, limit: float, stale: Iterable[str] = ()
 ) -> str:
@@ -208,6 +217,7 @@ def forked(
         unload(stale)
         code = 3
         try:
+            rebind(stale)
             code = int(pytest.main(["-q", "-x", "-p", "no:cacheprovider", *tests]))
         finally:
             sys.stdout.flush()

@@ -19,8 +19,7 @@ from ddgfab.io import read_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import TorsionFreeResult, mean_edge, optimize
-from ddgfab.support import SupportStructure, even_lean, parallel_axes
-from ddgfab.support import optimize as nearest_axes
+from ddgfab.support import SupportStructure, even_lean, parallel_axes, torsion_free_axes
 
 CURVES: dict[str, tuple[float | None, ...]] = {
     "hull": (None, 20.0, 6.0),
@@ -68,7 +67,7 @@ def main() -> None:
         print(f"{name}: {mesh}, planarity {planarity_percent(mesh).max():.2g} %")
         still = [
             ("nearest parallel mesh", SupportStructure.of(mesh, parallel_axes(mesh))),
-            ("vertices fixed", nearest_axes(mesh, throw=False)),
+            ("vertices fixed", torsion_free_axes(mesh, throw=False)),
         ]
         if still[1][1].torsion_free:
             still.append(("vertices fixed, evened out", even_lean(mesh, still[1][1])))

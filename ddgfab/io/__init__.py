@@ -168,12 +168,7 @@ def read_mesh(
     if units is not None:
         asked = None if units == STATED else units
         scale = to_millimetres(asked, scale, raw.units, str(path))
-    with np.errstate(over="ignore"):  # what is too large is refused below
-        points = upright(raw.points * scale, up)
-    finite = bool(len(points)) and bool((np.abs(points) <= COORDINATE_LIMIT).all())
-    used = np.unique(raw.corners[(raw.corners >= 0) & (raw.corners < len(points))])
-    origin = local_origin(points[used]) if finite else np.zeros(3)
-    placed = replace(raw, points=points - origin, step=raw.step * scale, lost=raw.lost * scale)
+    placed, origin = _placed(raw, scale, up)
     mesh, repaired, notes = repair(placed, merge)
     axes = unit_axes(repaired.axes, up)
     if origin.any():
@@ -183,32 +178,40 @@ def read_mesh(
         )
         rough = rough_digits(placed.lost, mesh)
         notes += [rough] if rough else []
-    if quads:
-        mesh, left = merge_pairs(mesh)
-        if left:
-            notes.append(f"{left} triangles found no partner for a quad and stay")
-    elif paired_in_order(mesh):
-        notes.append(
-            "its triangles are quads cut in two: quads = true in [net] (--quads) merges them"
-        )
+    mesh, paired = _paired(mesh, quads)
+    notes += paired
     if flip:
         mesh = flipped(mesh)
         axes = None if axes is None else -axes
     notes += looks(mesh)
     if suffix_of(path) in (".obj", ".off") and not data.endswith((b"\n", b"\r", b"\n\0")):
         notes.append("the last line has no line break: if the file was cut off, look there")
-    return ReadResult(
-        mesh,
-        tuple(notes),
-        str(path),
-        digest,
-        len(raw.points),
-        len(raw.sizes),
-        raw.units,
-        origin,
-        axes,
-        repaired.groups,
-    )
+    counts = len(raw.points), len(raw.sizes)
+    origins = raw.units, origin, axes, repaired.groups
+    return ReadResult(mesh, tuple(notes), str(path), digest, *counts, *origins)
+
+
+def _placed(raw: RawMesh, scale: float, up: str) -> tuple[RawMesh, Floats]:
+    """What a file states, scaled, upright and about a local origin; and that origin."""
+    with np.errstate(over="ignore"):  # what is too large is refused by `repair`
+        points = upright(raw.points * scale, up)
+    finite = bool(len(points)) and bool((np.abs(points) <= COORDINATE_LIMIT).all())
+    used = np.unique(raw.corners[(raw.corners >= 0) & (raw.corners < len(points))])
+    origin = local_origin(points[used]) if finite else np.zeros(3)
+    scaled = replace(raw, points=points - origin, step=raw.step * scale, lost=raw.lost * scale)
+    return scaled, origin
+
+
+def _paired(mesh: Mesh, quads: bool) -> tuple[Mesh, list[str]]:
+    """The mesh with pairs of triangles merged into quads where that is asked for, and notes."""
+    if not quads:
+        if not paired_in_order(mesh):
+            return mesh, []
+        return mesh, [
+            "its triangles are quads cut in two: quads = true in [net] (--quads) merges them"
+        ]
+    merged, left = merge_pairs(mesh)
+    return merged, [f"{left} triangles found no partner for a quad and stay"] if left else []
 
 
 @checked

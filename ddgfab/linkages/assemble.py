@@ -10,7 +10,7 @@ from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.instant_mobility import mobility
 from ddgfab.linkages.mechanism import Drive, Mechanism, Pose, bar_lengths, signed_twists
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.knet.net import oriented_angle
+from ddgfab.nets.knet.oriented import oriented_angle
 
 FOLD_SAMPLES = 361
 """Driving angles at which folded isograms are looked for."""

@@ -38,6 +38,22 @@ def _other_twist(a: float, alpha: float) -> str:
     return f"beta = {BESIDE_RIGHT_DEG:g} deg without b (it is then {length:.6g} mm)"
 
 
+def _refuse_folded(a: float, alpha: float, beta: float, design: float) -> None:
+    """Raise `InputError` where a Bennett linkage only folds, or its design pose is folded."""
+    ratio = np.sin((beta - alpha) / 2) / np.sin((beta + alpha) / 2)
+    if abs(ratio) < FOLDED_RATIO:
+        raise InputError(
+            f"alpha = beta = {np.degrees(alpha):g} deg with a = b: this loop only folds "
+            f"(tan(phi/2) tan(psi/2) = {ratio:.3g}); take twists that differ, such as "
+            f"{_other_twist(a, alpha)}"
+        )
+    if not 0 < design < 2 * np.pi or abs(design - np.pi) < FOLDED_RATIO:
+        raise InputError(
+            f"driving angle {np.degrees(design):g} deg: it lies between 0 and 360 deg and is not "
+            "180 deg, where the loop is folded"
+        )
+
+
 @checked
 def bennett(
     a: float,
@@ -89,19 +105,8 @@ def bennett(
     else:
         raise InputError("a Bennett linkage needs b or beta beside a and alpha")
     same_ratio(a, alpha, b, beta)
-    ratio = np.sin((beta - alpha) / 2) / np.sin((beta + alpha) / 2)
-    if abs(ratio) < FOLDED_RATIO:
-        raise InputError(
-            f"alpha = beta = {np.degrees(alpha):g} deg with a = b: this loop only folds "
-            f"(tan(phi/2) tan(psi/2) = {ratio:.3g}); take twists that differ, such as "
-            f"{_other_twist(a, alpha)}"
-        )
     design = DESIGN if driver is None else float(driver)
-    if not 0 < design < 2 * np.pi or abs(design - np.pi) < FOLDED_RATIO:
-        raise InputError(
-            f"driving angle {np.degrees(design):g} deg: it lies between 0 and 360 deg and is not "
-            "180 deg, where the loop is folded"
-        )
+    _refuse_folded(a, alpha, beta, design)
     none = np.zeros(0)
     # In the K-net's gauge the twists are +delta_0 and -delta_1; -(pi - beta) is beta.
     lattice = Lattice(

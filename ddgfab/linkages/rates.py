@@ -19,7 +19,7 @@ from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Bounds
 from ddgfab.linkages.models import TINY, Model, closing
 from ddgfab.mesh import Floats
-from ddgfab.nets.knet.net import oriented_angle
+from ddgfab.nets.knet.oriented import oriented_angle
 
 Vertex = tuple[int, ...]
 Arm = tuple[int, int]

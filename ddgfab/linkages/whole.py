@@ -16,7 +16,8 @@ from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.lattice import Lattice
 from ddgfab.linkages.mechanism import Mechanism
 from ddgfab.mesh import Floats
-from ddgfab.nets.knet.net import KNet, oriented_angle
+from ddgfab.nets.knet.net import KNet
+from ddgfab.nets.knet.oriented import oriented_angle
 
 Path: TypeAlias = Literal["locked", "fold"] | tuple[tuple[Floats, Floats], float]
 """How the Cauchy data follow: by name, or ((turn rates 0, turn rates 1), corner rate)."""

@@ -27,7 +27,7 @@ from ddgfab.optimize.terms import planarity_terms
 from ddgfab.optimize.terms.axes import AXES, AxisLean, axis_torsion, unit_axes
 from ddgfab.optimize.terms.cover import covered
 from ddgfab.optimize.within import lean_within
-from ddgfab.support.nearest_axes import optimize as nearest_axes
+from ddgfab.support.nearest_axes import torsion_free_axes
 from ddgfab.support.structure import SupportStructure
 from ddgfab.support.triangles import refuse_triangles
 from ddgfab.tolerances import LEAN_LIMIT_DEG, RELATIVE_DEGENERATE
@@ -178,7 +178,7 @@ def _first_axes(mesh: Mesh, max_lean: float) -> dict[str, Floats]:
     axes = mesh.vertex_normals
     if planarity_percent(mesh).max() / 100 <= EXACT:
         try:
-            found = nearest_axes(mesh)
+            found = torsion_free_axes(mesh)
         except SupportError:
             return {AXES: axes}
         if found.lean.max() < max_lean:

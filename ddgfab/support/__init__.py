@@ -8,14 +8,14 @@ from ddgfab.support.choose import SupportKind, support_structure
 from ddgfab.support.edge import beam_heights, edge_axes
 from ddgfab.support.even import even_lean
 from ddgfab.support.exact import cone_axes, reflected_axes
-from ddgfab.support.nearest_axes import OptimizeOptions, optimize
+from ddgfab.support.nearest_axes import AxesOptions, torsion_free_axes
 from ddgfab.support.parallel import parallel_axes, parallel_field
 from ddgfab.support.propagate import node_torsion, propagate_axes
 from ddgfab.support.structure import SupportStructure
 from ddgfab.support.triangles import best_center, central, incircle_axes
 
 __all__ = [
-    "OptimizeOptions",
+    "AxesOptions",
     "SupportKind",
     "SupportStructure",
     "beam_heights",
@@ -28,10 +28,10 @@ __all__ = [
     "incircle_axes",
     "koebe_field",
     "node_torsion",
-    "optimize",
     "parallel_axes",
     "parallel_field",
     "propagate_axes",
     "reflected_axes",
     "support_structure",
+    "torsion_free_axes",
 ]

@@ -13,7 +13,7 @@ from ddgfab.mesh import Floats, Mesh
 from ddgfab.support.asymptotic import ASYMPTOTIC_BEND, edge_bend, surface_normals
 from ddgfab.support.edge import edge_axes
 from ddgfab.support.exact import cone_axes, reflected_axes
-from ddgfab.support.nearest_axes import optimize
+from ddgfab.support.nearest_axes import torsion_free_axes
 from ddgfab.support.parallel import parallel_axes
 from ddgfab.support.structure import SupportStructure
 from ddgfab.support.triangles import central, refuse_triangles
@@ -107,6 +107,11 @@ def support_structure(
                 'take [support] kind = "optimize", or optimise the net first'
             )
         return _upright(_exact(mesh, kind), torsion_limit_deg)
+    return _automatic(mesh, lean_limit_deg, torsion_limit_deg)
+
+
+def _automatic(mesh: Mesh, lean_limit_deg: float, torsion_limit_deg: float) -> SupportStructure:
+    """Of the exact kinds that the net allows the one that leans least, or "optimize"."""
     candidates = [
         SupportStructure.of(mesh, _EXACT[name](mesh), name)
         for name in _EXACT
@@ -163,7 +168,7 @@ def _exact(mesh: Mesh, kind: str) -> SupportStructure:
     structure = SupportStructure.of(mesh, axes, kind)
     if structure.torsion_free:
         return structure
-    near = optimize(mesh, target=axes, throw=False)
+    near = torsion_free_axes(mesh, target=axes, throw=False)
     return SupportStructure.of(
         mesh, near.axes, kind, status=near.status, history=structure.history + near.history
     )
@@ -171,7 +176,7 @@ def _exact(mesh: Mesh, kind: str) -> SupportStructure:
 
 def _optimized(mesh: Mesh, limit_deg: float) -> SupportStructure:
     """The optimised structure, upright; explains itself where the solver fails on such a net."""
-    return _upright(optimize(mesh, throw=False), limit_deg)
+    return _upright(torsion_free_axes(mesh, throw=False), limit_deg)
 
 
 def _upright(structure: SupportStructure, limit_deg: float) -> SupportStructure:

@@ -7,7 +7,7 @@ import numpy as np
 from ddgfab.arguments import checked
 from ddgfab.errors import SupportError
 from ddgfab.mesh import Mesh
-from ddgfab.support.nearest_axes import optimize
+from ddgfab.support.nearest_axes import torsion_free_axes
 from ddgfab.support.structure import SupportStructure
 
 _LEAST_WEIGHT = 1e-3
@@ -37,7 +37,7 @@ def even_lean(
 
     Source: Lawson 1961; Osborne 1985, Finite Algorithms in Optimization, ch. 5.
     """
-    best = optimize(mesh) if start is None else start
+    best = torsion_free_axes(mesh) if start is None else start
     axes, weights = best.axes, None
     for _ in range(rounds):
         away = np.sum((axes - mesh.vertex_normals) ** 2, axis=1)
@@ -47,7 +47,7 @@ def even_lean(
         weights = fresh if weights is None else np.sqrt(weights * fresh)
         weights = weights / weights.mean()
         try:
-            current = optimize(mesh, axes, weights=weights)
+            current = torsion_free_axes(mesh, axes, weights=weights)
         except SupportError:
             break
         axes = current.axes

@@ -26,7 +26,7 @@ from ddgfab.tolerances import TORSION_EXACT_DEG
 
 
 @dataclass(frozen=True)
-class OptimizeOptions:
+class AxesOptions:
     """How the sequential quadratic programme runs; every field may be left as it is."""
 
     max_steps: int = 60
@@ -35,7 +35,7 @@ class OptimizeOptions:
     """Converged when no axis turns by more [rad], with torsion below `torsion_deg`."""
     torsion_deg: float = 1e-9
     """Greatest torsion [deg] aimed at; `TORSION_EXACT_DEG` is what a result must keep."""
-    regularisation: float = 1e-9
+    regularization: float = 1e-9
     """Weight of the multipliers' proximal term: mends constraints that depend on each other."""
     longest_step: float = 1.0
     """No axis is moved by more than this tangent length in one step (1 = 45 deg)."""
@@ -133,13 +133,13 @@ def _line_search(merit: Callable[[float], float], slope: float, first: float) ->
 
 
 @checked
-def optimize(
+def torsion_free_axes(
     mesh: Mesh,
     start: Floats | None = None,
     *,
     target: Floats | None = None,
     weights: Floats | None = None,
-    options: OptimizeOptions | None = None,
+    options: AxesOptions | None = None,
     throw: bool = True,
 ) -> SupportStructure:
     """Torsion-free node axes nearest to the vertex normals, vertices fixed.
@@ -164,33 +164,16 @@ def optimize(
 
     Source: sequential quadratic programming, Nocedal and Wright 2006, ch. 18.
     """
-    chosen = options or OptimizeOptions()
-    shape = mesh.vertices.shape
-    start = None if start is None else of_shape(start, shape, "start")
-    target = None if target is None else of_shape(target, shape, "target")
-    weights = None if weights is None else of_shape(weights, shape[:1], "weights")
+    chosen = options or AxesOptions()
     used = mesh.valences > 0
-    aim = mesh.vertex_normals if target is None else target
-    normals = np.where(used[:, None], aim, np.array([0.0, 0.0, 1.0]))
-    axes = np.where(used[:, None], normals if start is None else start, normals)
-    weight = np.ones(mesh.n_vertices) if weights is None else weights
+    normals, axes, weight = _checked_inputs(mesh, start, target, weights)
     force = np.zeros(mesh.n_edges)
     history: list[float] = []
     last, newton, converged = np.inf, False, False
     for _ in range(chosen.max_steps):
         frames = tangent_frames(axes)
-        values, matrix = constraints(mesh, axes), jacobian(mesh, axes, frames)
         gradient = -(weight[:, None] * np.einsum("vkx,vx->vk", frames, normals)).ravel()
-        if newton:
-            pull = weight * np.einsum("vx,vx->v", axes, normals)
-            hessian = _hessian(mesh, axes, frames, pull, force)
-            move, force = _newton_step(
-                matrix, gradient, values, hessian, force, chosen.regularisation
-            )
-        else:
-            move, force = _cheap_step(
-                matrix, gradient, values, np.repeat(weight, 2), force, chosen.regularisation
-            )
+        move, force = _step(mesh, axes, frames, gradient, (normals, weight, force), chosen, newton)
         turn = np.einsum("vk,vkx->vx", move.reshape(-1, 2), frames)
         longest = float(np.abs(move).max())
         if not np.isfinite(longest):  # the solve broke down: the axes before it stay
@@ -216,16 +199,56 @@ def optimize(
         history=tuple(history),
     )
     if throw and not good:
-        names = ", ".join(
-            f"{i} ({np.degrees(result.torsion[i]):.2g} deg)" for i in result.worst_edges(3)
-        )
-        raise SupportError(
-            f"no torsion-free axes found in {len(history)} steps: torsion stays at "
-            f"{history[-1]:.2g} deg (limit {TORSION_EXACT_DEG:g}); worst edges {names}\n"
-            "the mesh allows none near its vertex normals: optimise the vertices, or cut the mesh "
-            "open where it closes up"
-        )
+        raise _failure(result)
     return result
+
+
+def _checked_inputs(
+    mesh: Mesh, start: Floats | None, target: Floats | None, weights: Floats | None
+) -> tuple[Floats, Floats, Floats]:
+    """(V, 3) axes to stay near, (V, 3) axes to begin with, (V,) weights; z where no edge ends."""
+    shape = mesh.vertices.shape
+    start = None if start is None else of_shape(start, shape, "start")
+    target = None if target is None else of_shape(target, shape, "target")
+    weights = None if weights is None else of_shape(weights, shape[:1], "weights")
+    used = (mesh.valences > 0)[:, None]
+    aim = mesh.vertex_normals if target is None else target
+    normals = np.where(used, aim, np.array([0.0, 0.0, 1.0]))
+    axes = np.where(used, normals if start is None else start, normals)
+    return normals, axes, np.ones(mesh.n_vertices) if weights is None else weights
+
+
+def _step(
+    mesh: Mesh,
+    axes: Floats,
+    frames: Floats,
+    gradient: Floats,
+    terms: tuple[Floats, Floats, Floats],
+    options: AxesOptions,
+    newton: bool,
+) -> tuple[Floats, Floats]:
+    """(2V,) tangent lengths of one step and (E,) new multipliers."""
+    normals, weight, force = terms
+    values, matrix = constraints(mesh, axes), jacobian(mesh, axes, frames)
+    eps = options.regularization
+    if not newton:
+        return _cheap_step(matrix, gradient, values, np.repeat(weight, 2), force, eps)
+    pull = weight * np.einsum("vx,vx->v", axes, normals)
+    hessian = _hessian(mesh, axes, frames, pull, force)
+    return _newton_step(matrix, gradient, values, hessian, force, eps)
+
+
+def _failure(result: SupportStructure) -> SupportError:
+    """What is raised where torsion stays; names the worst edges."""
+    names = ", ".join(
+        f"{i} ({np.degrees(result.torsion[i]):.2g} deg)" for i in result.worst_edges(3)
+    )
+    return SupportError(
+        f"no torsion-free axes found in {len(result.history)} steps: torsion stays at "
+        f"{result.history[-1]:.2g} deg (limit {TORSION_EXACT_DEG:g}); worst edges {names}\n"
+        "the mesh allows none near its vertex normals: optimize the vertices, or cut the mesh "
+        "open where it closes up"
+    )
 
 
 def _guarded(

@@ -19,10 +19,10 @@ from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.trace.cells import cells
+from ddgfab.trace.cleaning import cleaned
 from ddgfab.trace.crossings import crossings
 from ddgfab.trace.lines import Line
 from ddgfab.trace.placing import Network
-from ddgfab.trace.slivers import without_slivers
 
 Tag: TypeAlias = Literal["inner", "rim", "corner"]
 TAGS: Final[tuple[Tag, ...]] = ("inner", "rim", "corner")
@@ -31,8 +31,6 @@ _SAME: Final = 1e-6
 """Nodes nearer than this part of the spacing are one."""
 _CORNER_DEG: Final = 30.0
 """A trimming curve that turns by more [deg] has a corner."""
-_SHORT: Final = 0.3
-"""Edges shorter than this part of the median collapse."""
 _PART: Final = 0.3
 """Edges leave a node towards the point at this part of their length."""
 _PARTS: Final = (_PART, 0.5, 0.75, 1.0)
@@ -96,35 +94,15 @@ def network_mesh(network: Network) -> TracedMesh:
         Cells that are no manifold mesh.
     """
     surface, trim = network.field.surface, network.field.surface.trim
-    first, second = network.lines
-    graph = _Graph([], [])
-    hits = crossings(first, second)
-    crossing = graph.add(hits.uv, 0)
-    stops: list[list[tuple[float, int]]] = [[] for _ in range(len(first) + len(second))]
-    for offset, lines, s in (
-        (0, hits.first, hits.s_first),
-        (len(first), hits.second, hits.s_second),
-    ):
-        for line, at, node in zip(lines.tolist(), s.tolist(), crossing.tolist(), strict=True):
-            stops[offset + line].append((at, node))
-    rim_stops: list[list[tuple[float, int]]] = [[] for _ in trim.loops]
-    for number, line in enumerate([*first, *second]):
-        for end, index in ((0, 0), (1, -1)):
-            if line.rim[end] < 0:
-                continue
-            node = int(graph.add(line.uv[index][None], 1)[0])
-            stops[number].append((float(line.s[index]), node))
-            segment = line.rim[end]
-            loop = int(np.searchsorted(trim.loop_start, segment, side="right")) - 1
-            rim_stops[loop].append((_rim_place(network, segment, line.uv[index]), node))
-    for loop, corner, place in _corners(network):
-        rim_stops[loop].append((place, int(graph.add(corner[None], 2)[0])))
+    graph, stops, rim_stops = _nodes(network)
     same, uv, rank = _merged(network, graph)
     edges: list[tuple[int, int]] = []
     towards: list[Floats] = []
     chords: list[float] = []
-    for number, line in enumerate([*first, *second]):
-        for a, b, s0, s1 in _pieces(stops[number], line, same):
+    for line, on_line in zip(
+        [line for family in network.lines for line in family], stops, strict=True
+    ):
+        for a, b, s0, s1 in _pieces(on_line, line, same):
             edges.append((a, b))
             towards.append(_leaving(network, line, s0, s1))
             chords.append(0.5 * (uv[a, 0] * uv[b, 1] - uv[a, 1] * uv[b, 0]))
@@ -155,24 +133,62 @@ def network_mesh(network: Network) -> TracedMesh:
             "plane: lines touch each other or the rim, or no line reaches a hole\nchange the "
             "spacing a little"
         )
-    points = surface.points(uv)
-    faces, keep = _cleaned(points, rank, inner)
+    mesh, keep = _mesh_of(surface.name, surface.points(uv), rank, inner)
+    return TracedMesh(mesh, uv[keep], rank[keep], error)
+
+
+_Stops: TypeAlias = list[list[tuple[float, int]]]
+"""Per line or loop, places along it with the nodes there."""
+
+
+def _nodes(network: Network) -> tuple[_Graph, _Stops, _Stops]:
+    """Crossings, ends on the rim and corners as nodes, with their places on lines and loops."""
+    trim = network.field.surface.trim
+    first, second = network.lines
+    graph = _Graph([], [])
+    hits = crossings(first, second)
+    crossing = graph.add(hits.uv, 0)
+    stops: _Stops = [[] for _ in range(len(first) + len(second))]
+    for offset, lines, s in (
+        (0, hits.first, hits.s_first),
+        (len(first), hits.second, hits.s_second),
+    ):
+        for line, at, node in zip(lines.tolist(), s.tolist(), crossing.tolist(), strict=True):
+            stops[offset + line].append((at, node))
+    rim_stops: _Stops = [[] for _ in trim.loops]
+    for number, line in enumerate([*first, *second]):
+        for end, index in ((0, 0), (1, -1)):
+            if line.rim[end] < 0:
+                continue
+            node = int(graph.add(line.uv[index][None], 1)[0])
+            stops[number].append((float(line.s[index]), node))
+            segment = line.rim[end]
+            loop = int(np.searchsorted(trim.loop_start, segment, side="right")) - 1
+            rim_stops[loop].append((_rim_place(network, segment, line.uv[index]), node))
+    for loop, corner, place in _corners(network):
+        rim_stops[loop].append((place, int(graph.add(corner[None], 2)[0])))
+    return graph, stops, rim_stops
+
+
+def _mesh_of(name: str, points: Floats, rank: Ints, inner: list[Ints]) -> tuple[Mesh, Ints]:
+    """The mesh of cells without slivers, and the nodes that are its vertices."""
+    faces, keep = cleaned(points, rank, inner)
     if not faces:
-        raise DegenerateError(f"{surface.name}: the network has no cells; choose a smaller spacing")
-    new = np.full(len(uv), -1)
+        raise DegenerateError(f"{name}: the network has no cells; choose a smaller spacing")
+    new = np.full(len(points), -1)
     new[keep] = np.arange(len(keep))
     try:
         mesh = Mesh.build(points[keep], [new[face] for face in faces])
     except MeshError as fault:
-        raise MeshError(f"{surface.name}: cells of the network do not fit: {fault}") from None
+        raise MeshError(f"{name}: cells of the network do not fit: {fault}") from None
     twice = np.flatnonzero(mesh.edge_faces[:, 0] == mesh.edge_faces[:, 1])
     if len(twice):
         x, y, z = mesh.vertices[mesh.edges[twice[0]]].mean(axis=0)
         raise DegenerateError(
-            f"{surface.name}: a cell touches itself at ({x:.4g}, {y:.4g}, {z:.4g}): lines end in "
+            f"{name}: a cell touches itself at ({x:.4g}, {y:.4g}, {z:.4g}): lines end in "
             "the open there\nchange the spacing a little"
         )
-    return TracedMesh(mesh, uv[keep], rank[keep], error)
+    return mesh, keep
 
 
 def _leaving(network: Network, line: Line, s0: float, s1: float) -> Floats:
@@ -287,63 +303,3 @@ def _points_along(path: Floats, parts: tuple[float, float]) -> Floats:
     s = np.concatenate([[0.0], np.cumsum(lengths)])
     at = np.array(parts) * s[-1]
     return np.stack([np.interp(at, s, path[:, k]) for k in (0, 1)], axis=1)
-
-
-def _cleaned(points: Floats, rank: Ints, faces: list[Ints]) -> tuple[list[Ints], Ints]:
-    """Faces without short edges, without vertices of valence 2 inside; the vertices they use."""
-    parent = np.arange(len(points))
-
-    def root(i: int) -> int:
-        while parent[i] != i:
-            parent[i] = parent[parent[i]]
-            i = int(parent[i])
-        return i
-
-    ends = np.concatenate([np.stack([face, np.roll(face, -1)], axis=1) for face in faces])
-    ends = np.unique(np.sort(ends, axis=1), axis=0)
-    length = np.linalg.norm(points[ends[:, 1]] - points[ends[:, 0]], axis=1)
-    short = np.flatnonzero(length < _SHORT * np.median(length))
-    for k in short[np.argsort(length[short], kind="stable")]:
-        a, b = root(int(ends[k, 0])), root(int(ends[k, 1]))
-        if a != b and not (rank[a] == 2 and rank[b] == 2):
-            low, high = sorted((a, b), key=lambda i: (rank[i], -i))
-            parent[low] = high
-    names = np.array([root(i) for i in range(len(points))])
-    out = []
-    for face in faces:
-        ring = _without_spikes(names[face])
-        if len(ring) >= 3:
-            out.append(ring)
-    out = without_slivers(points, rank, out)
-    out = [_without_spikes(ring) for ring in _without_passing(out, rank)]
-    return out, np.unique(np.concatenate(out)) if out else np.zeros(0, dtype=np.int64)
-
-
-def _without_spikes(ring: Ints) -> Ints:
-    """A face without repeated corners and without edges that it runs along both ways."""
-    row = ring.tolist()
-    changed = True
-    while changed and len(row) > 2:
-        changed = False
-        for i, corner in enumerate(row):
-            if corner == row[i - 1]:
-                del row[i]
-            elif row[i - 2] == corner:  # there and back
-                for k in sorted((i, (i - 1) % len(row)), reverse=True):
-                    del row[k]
-            else:
-                continue
-            changed = True
-            break
-    return np.array(row, dtype=np.int64)
-
-
-def _without_passing(faces: list[Ints], rank: Ints) -> list[Ints]:
-    """Faces without inner vertices that only two faces use: lines that end there were pruned."""
-    flat = np.concatenate(faces) if faces else np.zeros(0, dtype=np.int64)
-    uses = np.bincount(flat, minlength=len(rank))
-    out = []
-    for face in faces:
-        ring = face[~((rank[face] == 0) & (uses[face] == 2))]
-        out.append(ring if len(ring) >= 3 else face)
-    return out

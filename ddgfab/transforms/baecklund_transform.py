@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints
-from ddgfab.nets.knet.net import KNet, refuse_angles
+from ddgfab.nets.knet.net import KNet
+from ddgfab.nets.knet.oriented import refuse_angles
 from ddgfab.nets.knet.spherical import refuse_not_unit
 from ddgfab.nets.layers import stack_transforms
 from ddgfab.quads import Place, cross, finite

@@ -76,6 +76,8 @@ Weld = Annotated[
         help="Vertices nearer than this [mm] are one; default: what the digits of the file leave."
     ),
 ]
+MeshOutput = Annotated[Path, typer.Option("-o", "--output", help="OBJ, OFF or PLY to write.")]
+Json = Annotated[bool, typer.Option("--json", help="Machine-readable report.")]
 
 
 @dataclass(frozen=True)

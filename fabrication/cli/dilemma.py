@@ -12,6 +12,8 @@ from fabrication.cli.common import (
     Change,
     Debug,
     Flip,
+    Json,
+    MeshOutput,
     Quads,
     Quiet,
     Reading,
@@ -32,38 +34,41 @@ if TYPE_CHECKING:
     from fabrication.cli.settings import DilemmaSettings
 
 
+Goal = Annotated[
+    str | None,
+    typer.Option(
+        help="principal (default: planar faces, straight node axes) or planar (faces only)."
+    ),
+]
+Keep = Annotated[
+    float | None,
+    typer.Option(
+        help="Part of the difference of the curvatures to keep, 0 to 1; default: 0.5 where "
+        "edges are more than 25 deg from principal, otherwise what the nearest surface leaves."
+    ),
+]
+Nearest = Annotated[bool, typer.Option("--nearest", help="The nearest surface, whatever is left.")]
+Plan = Annotated[bool, typer.Option("--plan", help="Move heights only (with --goal planar).")]
+Surface = Annotated[
+    str | None,
+    typer.Option(help="That the net is drawn on: a file or a name, as for ddgfab trace."),
+]
+Forecast = Annotated[
+    bool, typer.Option("--forecast", help="Only directions and forecast; write nothing.")
+]
+Picture = Annotated[bool, typer.Option(help="Write a picture beside the mesh: angles, movement.")]
+
+
 @app.command("dilemma")
 def dilemma_command(
     mesh: Annotated[Path, typer.Argument(help="OBJ, OFF, PLY, STL or COMPAS JSON: drawn quads.")],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="OBJ, OFF or PLY to write.")
-    ] = Path("moved.obj"),
-    goal: Annotated[
-        str | None,
-        typer.Option(
-            help="principal (default: planar faces, straight node axes) or planar (faces only)."
-        ),
-    ] = None,
-    keep: Annotated[
-        float | None,
-        typer.Option(
-            help="Part of the difference of the curvatures to keep, 0 to 1; default: 0.5 where "
-            "edges are more than 25 deg from principal, otherwise what the nearest surface leaves."
-        ),
-    ] = None,
-    nearest: Annotated[
-        bool, typer.Option("--nearest", help="The nearest surface, whatever is left.")
-    ] = False,
-    plan: Annotated[
-        bool, typer.Option("--plan", help="Move heights only (with --goal planar).")
-    ] = False,
-    surface: Annotated[
-        str | None,
-        typer.Option(help="That the net is drawn on: a file or a name, as for ddgfab trace."),
-    ] = None,
-    forecast: Annotated[
-        bool, typer.Option("--forecast", help="Only directions and forecast; write nothing.")
-    ] = False,
+    output: MeshOutput = Path("moved.obj"),
+    goal: Goal = None,
+    keep: Keep = None,
+    nearest: Nearest = False,
+    plan: Plan = False,
+    surface: Surface = None,
+    forecast: Forecast = False,
     units: Units = None,
     scale: Scale = 1.0,
     up: Up = "z",
@@ -71,10 +76,8 @@ def dilemma_command(
     quads: Quads = False,
     weld: Weld = None,
     change: Change = None,
-    picture: Annotated[
-        bool, typer.Option(help="Write a picture beside the mesh: angles, movement.")
-    ] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
+    picture: Picture = True,
+    as_json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
     debug: Debug = False,
@@ -88,9 +91,8 @@ def dilemma_command(
     `--set dilemma.keep=0.3`.
     """
     with session(debug, quiet, verbose) as run:
-        from ddgfab.errors import OptimizeError
         from ddgfab.io import check_target
-        from ddgfab.redesign.dilemma import dilemma, forecast_dict
+        from ddgfab.redesign.dilemma import forecast_dict
         from ddgfab.trace.alignment import alignment
         from fabrication.cli.changes import put, sections_of
         from fabrication.cli.settings import dilemma_settings, reading_with
@@ -120,20 +122,7 @@ def dilemma_command(
                 record = {"before": before.to_dict(), "forecast": forecast_dict(expected)}
                 run.result(json.dumps(record, indent=1))
             return
-        try:
-            found = dilemma(
-                read.mesh,
-                settings.goal,  # type: ignore[arg-type] # named where it is unknown
-                keep=settings.keep,
-                nearest=settings.nearest,
-                surface=drawn,
-                plan=settings.plan,
-            )
-        except OptimizeError as error:
-            if debug:
-                raise
-            run.fail(f"FAILED {error}\n{output} was not written")
-            raise typer.Exit(FAILED) from None
+        found = _moved(run, read.mesh, settings, drawn, output, debug=debug)
         _write(output, found.mesh, read.origin)
         warning = _draw(output.with_suffix(".png"), found) if picture else ""
         if as_json:
@@ -143,6 +132,35 @@ def dilemma_command(
             run.result(f"written to {output} [mm]")
         if warning:
             run.fail(warning)
+
+
+def _moved(
+    run: Session,
+    mesh: Mesh,
+    settings: DilemmaSettings,
+    drawn: SplineSurface | None,
+    output: Path,
+    *,
+    debug: bool,
+) -> Dilemma:
+    """The changed surface; where no such net is near, the command ends."""
+    from ddgfab.errors import OptimizeError
+    from ddgfab.redesign.dilemma import dilemma
+
+    try:
+        return dilemma(
+            mesh,
+            settings.goal,  # type: ignore[arg-type] # named where it is unknown
+            keep=settings.keep,
+            nearest=settings.nearest,
+            surface=drawn,
+            plan=settings.plan,
+        )
+    except OptimizeError as error:
+        if debug:
+            raise
+        run.fail(f"FAILED {error}\n{output} was not written")
+        raise typer.Exit(FAILED) from None
 
 
 def _forecast(

@@ -8,58 +8,69 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fabrication.cli.common import Change, Debug, Quiet, Units, Verbose, app
+from fabrication.cli.common import Change, Debug, Json, MeshOutput, Quiet, Units, Verbose, app
 from fabrication.cli.terminal import Session, session
 
 if TYPE_CHECKING:
     from ddgfab.trace.patches import Patches
 
 
+Source = Annotated[
+    str | None,
+    typer.Argument(help="STEP, IGES or mesh file, or a surface by name; see --list."),
+]
+Spacing = Annotated[
+    float | None, typer.Option(help="Distance of neighboring lines [mm]; default 1500.")
+]
+Across = Annotated[
+    float | None, typer.Option(help="Distance of the lines of the second family [mm].")
+]
+Face = Annotated[
+    list[str] | None,
+    typer.Option(help="Which face of the file: number from 0, name, or all. Repeatable."),
+]
+Along = Annotated[
+    str | None,
+    typer.Option(help="X,Y,Z: one family lies in planes with this normal, one is conjugate."),
+]
+Turn = Annotated[
+    float | None,
+    typer.Option(help="One family is turned from principal by this [deg], one is conjugate."),
+]
+Curves = Annotated[
+    Path | None,
+    typer.Option(help="DXF, OBJ or CSV file: one family follows its curves [mm]."),
+]
+Through = Annotated[
+    list[str] | None,
+    typer.Option(help="X,Y,Z [mm]: a line of each family runs through it. Repeatable."),
+]
+MeshScale = Annotated[
+    float | None, typer.Option(help="Factor on a mesh's coordinates, before the unit.")
+]
+Listing = Annotated[bool, typer.Option("--list", help="List the surfaces by name.")]
+Picture = Annotated[
+    bool, typer.Option(help="Write OUTPUT.png: the net, umbilics, how determined lines are.")
+]
+
+
 @app.command("trace")
 def trace_command(
-    surface: Annotated[
-        str | None,
-        typer.Argument(help="STEP, IGES or mesh file, or a surface by name; see --list."),
-    ] = None,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="OBJ, OFF or PLY to write.")
-    ] = Path("net.obj"),
-    spacing: Annotated[
-        float | None, typer.Option(help="Distance of neighboring lines [mm]; default 1500.")
-    ] = None,
-    across: Annotated[
-        float | None, typer.Option(help="Distance of the lines of the second family [mm].")
-    ] = None,
-    face: Annotated[
-        list[str] | None,
-        typer.Option(help="Which face of the file: number from 0, name, or all. Repeatable."),
-    ] = None,
-    along: Annotated[
-        str | None,
-        typer.Option(help="X,Y,Z: one family lies in planes with this normal, one is conjugate."),
-    ] = None,
-    turn: Annotated[
-        float | None,
-        typer.Option(help="One family is turned from principal by this [deg], one is conjugate."),
-    ] = None,
-    curves: Annotated[
-        Path | None,
-        typer.Option(help="DXF, OBJ or CSV file: one family follows its curves [mm]."),
-    ] = None,
-    through: Annotated[
-        list[str] | None,
-        typer.Option(help="X,Y,Z [mm]: a line of each family runs through it. Repeatable."),
-    ] = None,
+    surface: Source = None,
+    output: MeshOutput = Path("net.obj"),
+    spacing: Spacing = None,
+    across: Across = None,
+    face: Face = None,
+    along: Along = None,
+    turn: Turn = None,
+    curves: Curves = None,
+    through: Through = None,
     units: Units = None,
-    scale: Annotated[
-        float | None, typer.Option(help="Factor on a mesh's coordinates, before the unit.")
-    ] = None,
+    scale: MeshScale = None,
     change: Change = None,
-    listing: Annotated[bool, typer.Option("--list", help="List the surfaces by name.")] = False,
-    picture: Annotated[
-        bool, typer.Option(help="Write OUTPUT.png: the net, umbilics, how determined lines are.")
-    ] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Machine-readable report.")] = False,
+    listing: Listing = False,
+    picture: Picture = True,
+    as_json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
     debug: Debug = False,
@@ -76,10 +87,8 @@ def trace_command(
     """
     with session(debug, quiet, verbose) as run:
         from ddgfab.errors import InputError
-        from ddgfab.io import check_target, write_mesh
-        from ddgfab.io.atomic import atomic_path
+        from ddgfab.io import check_target
         from ddgfab.surfaces.analytic import SURFACES
-        from ddgfab.trace.mesh import TAGS
         from fabrication.cli.changes import put, sections_of
         from fabrication.gridshell.load import make_project
         from fabrication.gridshell.traced import traced_net
@@ -107,23 +116,31 @@ def trace_command(
         check_target(output)
         put(sections, "project", units=units, scale=scale)
         project = make_project({**sections, "net": {"kind": "surface", **net}})
-        found = traced_net(project)
-        record, rows = _report(found)
-        tags = [TAGS[tag] for tag in found.tag.tolist()]
-        write_mesh(output, found.mesh, units="mm")
-        with atomic_path(output.with_suffix(".json")) as temporary:
-            text = json.dumps({**record, "vertex_tags": tags}, indent=1)
-            temporary.write_text(text + "\n", encoding="utf-8")
-        warning = _draw(output.with_suffix(".png"), found) if picture else ""
-        if as_json:
-            run.result(json.dumps(record, indent=1))
-        else:
-            for surface_ in found.surfaces:
-                run.detail(f"surface: {surface_!r}")
-            run.say("\n".join([*rows, repr(found.mesh)]))
-            run.result(f"written to {output} [mm]")
-        if warning:
-            run.fail(warning)
+        _write(run, output, traced_net(project), picture=picture, as_json=as_json)
+
+
+def _write(run: Session, output: Path, found: Patches, *, picture: bool, as_json: bool) -> None:
+    """Write mesh, report and picture; print what was traced."""
+    from ddgfab.io import write_mesh
+    from ddgfab.io.atomic import atomic_path
+    from ddgfab.trace.mesh import TAGS
+
+    record, rows = _report(found)
+    tags = [TAGS[tag] for tag in found.tag.tolist()]
+    write_mesh(output, found.mesh, units="mm")
+    with atomic_path(output.with_suffix(".json")) as temporary:
+        text = json.dumps({**record, "vertex_tags": tags}, indent=1)
+        temporary.write_text(text + "\n", encoding="utf-8")
+    warning = _draw(output.with_suffix(".png"), found) if picture else ""
+    if as_json:
+        run.result(json.dumps(record, indent=1))
+    else:
+        for surface in found.surfaces:
+            run.detail(f"surface: {surface!r}")
+        run.say("\n".join([*rows, repr(found.mesh)]))
+        run.result(f"written to {output} [mm]")
+    if warning:
+        run.fail(warning)
 
 
 def _report(found: Patches) -> tuple[dict[str, Any], list[str]]:

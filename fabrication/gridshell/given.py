@@ -10,8 +10,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import instead, is_numeric
+from ddgfab.arguments import is_numeric
 from ddgfab.errors import InputError, SupportError
+from ddgfab.instead import instead
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import OptimizeResult, TorsionFreeResult
 from ddgfab.support import SupportStructure

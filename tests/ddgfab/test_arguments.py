@@ -28,8 +28,7 @@ from ddgfab.linkages import flex
 from ddgfab.mesh import Mesh
 from ddgfab.net import Net
 from ddgfab.nets.knet import KNet, knet
-from ddgfab.support import central
-from ddgfab.support import optimize as nearest_axes
+from ddgfab.support import central, torsion_free_axes
 from ddgfab.support.edge import beam_heights
 from ddgfab.support.parallel import parallel_field
 from ddgfab.transforms import invert, invert_normals
@@ -228,7 +227,7 @@ def test_constructors_and_methods_name_what_is_wrong() -> None:
         (lambda: nets.axis_coplanarity(POINTS, POINTS[:2], 0), "directions has shape"),
         (lambda: nets.complex_cross_ratio([1.0, 2], [1.0, 2, 3], 1, 2), r"a \(2,\), b \(3,\)"),
         (lambda: central(grid_mesh(POINTS), [1.0]), r"center has shape \(1,\)"),
-        (lambda: nearest_axes(grid_mesh(POINTS), POINTS[0]), r"start has shape \(3, 3\)"),
+        (lambda: torsion_free_axes(grid_mesh(POINTS), POINTS[0]), r"start has shape \(3, 3\)"),
         (lambda: parallel_field(grid_mesh(POINTS), POINTS[0]), r"target has shape \(3, 3\)"),
         (lambda: beam_heights(grid_mesh(POINTS), POINTS[0]), r"axes has shape \(3, 3\)"),
     ],

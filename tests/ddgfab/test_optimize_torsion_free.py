@@ -27,8 +27,8 @@ from ddgfab.support import (
     even_lean,
     parallel_axes,
     support_structure,
+    torsion_free_axes,
 )
-from ddgfab.support import optimize as nearest_axes
 from ddgfab.tolerances import TORSION_EXACT_DEG
 
 
@@ -142,7 +142,7 @@ def test_a_twisted_hull(upright: TorsionFreeResult) -> None:
     assert 0.1 < planarity_percent(mesh).max() < 0.15
     still = [
         SupportStructure.of(mesh, parallel_axes(mesh)).lean_deg_max,
-        nearest_axes(mesh, throw=False).lean_deg_max,
+        torsion_free_axes(mesh, throw=False).lean_deg_max,
     ]
     assert min(still) > 55
     check(upright)

@@ -16,7 +16,7 @@ from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
 from ddgfab.measures import lean, torsion
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.support import OptimizeOptions, even_lean, nearest_axes, optimize
+from ddgfab.support import AxesOptions, even_lean, nearest_axes, torsion_free_axes
 from ddgfab.support.nearest_axes import _hessian, constraints, jacobian, tangent_frames
 
 
@@ -56,7 +56,7 @@ def test_jacobian_against_central_differences() -> None:
 def test_hessian_against_differences_of_the_lagrangian() -> None:
     """At torsion-free axes, d2/dt2 of sum (1 - <a, n>) + <force, c> along random directions."""
     mesh = rough_grid(3, 3)
-    axes = optimize(mesh).axes
+    axes = torsion_free_axes(mesh).axes
     rng = np.random.default_rng(2)
     force, frames = rng.normal(size=mesh.n_edges), tangent_frames(axes)
     pull = np.einsum("vx,vx->v", axes, mesh.vertex_normals)
@@ -77,7 +77,7 @@ def test_hessian_against_differences_of_the_lagrangian() -> None:
 
 def test_result_is_stationary_and_nearer_than_other_structures() -> None:
     mesh = rough_grid(6, 5)
-    best = optimize(mesh)
+    best = torsion_free_axes(mesh)
     frames = tangent_frames(best.axes)
     gradient = -np.einsum("vkx,vx->vk", frames, mesh.vertex_normals).ravel()
     matrix = jacobian(mesh, best.axes, frames).toarray()
@@ -90,7 +90,7 @@ def test_result_is_stationary_and_nearer_than_other_structures() -> None:
     rng = np.random.default_rng(7)
     for _ in range(4):
         target = unit(best.axes + 0.05 * rng.normal(size=best.axes.shape))
-        other = optimize(mesh, target=target)
+        other = torsion_free_axes(mesh, target=target)
         assert other.torsion_deg_max < 1e-9
         assert distance(other.axes) > distance(best.axes)
 
@@ -98,7 +98,7 @@ def test_result_is_stationary_and_nearer_than_other_structures() -> None:
 @pytest.mark.parametrize(("rows", "cols"), [(1, 1), (2, 3), (4, 4), (3, 6)])
 def test_family_of_a_disk_has_dimension_half_the_boundary_plus_two(rows: int, cols: int) -> None:
     mesh = rough_grid(rows, cols)
-    axes = optimize(mesh).axes
+    axes = torsion_free_axes(mesh).axes
     rank = matrix_rank(jacobian(mesh, axes, tangent_frames(axes)).toarray(), tol=1e-8)
     assert 2 * mesh.n_vertices - rank == mesh.boundary_edge.sum() // 2 + 2
 
@@ -118,7 +118,7 @@ def test_published_meshes(
 ) -> None:
     """Leans as an independent study measured them (docs/parts.md), within 2 %."""
     mesh = read_mesh(mesh_file(name)).mesh.scaled(scale)
-    structure = optimize(mesh)
+    structure = torsion_free_axes(mesh)
     # Measured afresh, by the route that knows nothing of the solver.
     assert np.degrees(torsion(mesh, structure.axes).max()) < 1e-9
     assert np.degrees(lean(mesh, structure.axes).max()) < 1.02 * greatest + 0.05
@@ -133,12 +133,14 @@ def test_rigid_motions_and_scales_carry_the_axes_along(scale: float) -> None:
     turn = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
     moved = mesh.with_vertices(scale * (mesh.vertices @ turn.T + [5.0, -2.0, 1.0]))
-    assert np.abs(optimize(moved).axes - optimize(mesh).axes @ turn.T).max() < 1e-6
+    assert (
+        np.abs(torsion_free_axes(moved).axes - torsion_free_axes(mesh).axes @ turn.T).max() < 1e-6
+    )
 
 
 def test_same_input_same_bits() -> None:
     mesh = rough_grid(7, 7)
-    assert (optimize(mesh).axes == optimize(mesh).axes).all()
+    assert (torsion_free_axes(mesh).axes == torsion_free_axes(mesh).axes).all()
 
 
 def test_holes_mixed_faces_and_unused_vertices() -> None:
@@ -150,7 +152,7 @@ def test_holes_mixed_faces_and_unused_vertices() -> None:
     faces += [corner[[0, 1, 2]], corner[[0, 2, 3]]]
     mesh = Mesh.build(np.concatenate([points, [[0.0, 0.0, 9e3]]]), faces)
     assert len(mesh.boundary_loops) == 3
-    structure = optimize(mesh)
+    structure = torsion_free_axes(mesh)
     assert structure.torsion_deg_max < 1e-9
     assert structure.lean_deg_max < 10
     assert (structure.axes[-1] == 0).all()  # the vertex without faces has no axis
@@ -158,28 +160,28 @@ def test_holes_mixed_faces_and_unused_vertices() -> None:
 
 def test_closed_mesh_with_dependent_conditions() -> None:
     """A round torus is circular, so it has axes although 2V = E; a shaken one has none."""
-    assert optimize(torus(0.0)).torsion_deg_max < 1e-9
+    assert torsion_free_axes(torus(0.0)).torsion_deg_max < 1e-9
     shaken = torus(0.02)
     with pytest.raises(SupportError, match="worst edges") as caught:
-        optimize(shaken)
-    stopped = optimize(shaken, throw=False)
+        torsion_free_axes(shaken)
+    stopped = torsion_free_axes(shaken, throw=False)
     assert stopped.status == "stopped"
     assert f"{stopped.worst_edges(1)[0]} (" in str(caught.value)
-    assert len(stopped.history) == OptimizeOptions().max_steps
+    assert len(stopped.history) == AxesOptions().max_steps
 
 
 def test_weights_pull() -> None:
     mesh = rough_grid(5, 5)
-    plain = optimize(mesh)
+    plain = torsion_free_axes(mesh)
     vertex = int(plain.worst_vertices(1)[0])
     weights = np.ones(mesh.n_vertices)
     weights[vertex] = 1e4
-    assert optimize(mesh, weights=weights).lean[vertex] < 0.1 * plain.lean[vertex]
+    assert torsion_free_axes(mesh, weights=weights).lean[vertex] < 0.1 * plain.lean[vertex]
 
 
 def test_even_lean_lowers_the_greatest(mesh_file: Callable[[str], Path]) -> None:
     mesh = read_mesh(mesh_file("six_quad.obj")).mesh
-    plain, even = optimize(mesh), even_lean(mesh)
+    plain, even = torsion_free_axes(mesh), even_lean(mesh)
     assert even.torsion_deg_max < 1e-9
     assert even.lean_deg_max < 0.9 * plain.lean_deg_max
     assert even.lean_deg_mean > plain.lean_deg_mean
@@ -187,7 +189,7 @@ def test_even_lean_lowers_the_greatest(mesh_file: Callable[[str], Path]) -> None
 
 def test_steps_do_not_grow_with_the_mesh() -> None:
     """So time follows that of one sparse solve (near-linear: benchmarks)."""
-    counts = [len(optimize(rough_grid(n, n, noise=0.01)).history) for n in (6, 12, 24)]
+    counts = [len(torsion_free_axes(rough_grid(n, n, noise=0.01)).history) for n in (6, 12, 24)]
     assert max(counts) <= 10
 
 
@@ -196,7 +198,7 @@ def test_the_line_search_keeps_to_the_nearest_structure() -> None:
     mesh = rough_grid(6, 6, seed=1, noise=0.4)
 
     def distance(start: Floats | None) -> float:
-        found = optimize(mesh, start)
+        found = torsion_free_axes(mesh, start)
         return float(np.sum((found.axes - mesh.vertex_normals) ** 2))
 
     rng = np.random.default_rng(0)
@@ -206,8 +208,8 @@ def test_the_line_search_keeps_to_the_nearest_structure() -> None:
 
 
 def test_axes_free_of_torsion_count_though_a_finer_aim_is_not_reached() -> None:
-    options = OptimizeOptions(torsion_deg=1e-30, max_steps=12)
-    found = optimize(rough_grid(4, 4), options=options)
+    options = AxesOptions(torsion_deg=1e-30, max_steps=12)
+    found = torsion_free_axes(rough_grid(4, 4), options=options)
     assert len(found.history) == 12
     assert (found.status, found.torsion_free) == ("converged", True)
 
@@ -223,11 +225,11 @@ def test_a_solve_that_breaks_down_leaves_the_axes_before_it(
         move, force = step(*given)
         return (move, force) if len(calls) < last else (np.nan * move, force)
 
-    mesh, options = rough_grid(5, 5, noise=0.2), OptimizeOptions(newton_step=0.0)
-    whole = optimize(mesh, options=options)  # the cheap steps only
+    mesh, options = rough_grid(5, 5, noise=0.2), AxesOptions(newton_step=0.0)
+    whole = torsion_free_axes(mesh, options=options)  # the cheap steps only
     step = nearest_axes._cheap_step
     monkeypatch.setattr(nearest_axes, "_cheap_step", broken)
-    found = optimize(mesh, options=options, throw=False)
+    found = torsion_free_axes(mesh, options=options, throw=False)
     assert len(calls) == last
     assert found.status == "stopped"
     assert len(found.history) == max(1, last - 1)
@@ -237,4 +239,4 @@ def test_a_solve_that_breaks_down_leaves_the_axes_before_it(
         assert np.abs(found.axes - mesh.vertex_normals).max() < 1e-15
     calls.clear()
     with pytest.raises(SupportError, match="torsion stays"):
-        optimize(mesh, options=options)
+        torsion_free_axes(mesh, options=options)

@@ -19,7 +19,8 @@ from ddgfab.nets.knet.breather_net import breather
 from ddgfab.nets.knet.crab import CrabNet, crab_net, string_forces, string_tensions
 from ddgfab.nets.knet.dini_net import dini, pseudosphere, vacuum
 from ddgfab.nets.knet.kuen_net import kuen
-from ddgfab.nets.knet.net import CauchyData, KNet, knet, oriented_angle
+from ddgfab.nets.knet.net import CauchyData, KNet, knet
+from ddgfab.nets.knet.oriented import oriented_angle
 from ddgfab.nets.knet.quad import SkewParallelogram, skew_parallelogram
 from ddgfab.nets.knet.recover import KNetRecovery, knet_from_mesh, recover_knet
 from ddgfab.nets.knet.spherical import evolve_spherical, spherical_fourth

@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.knet.net import KNet, knet, modulo, oriented_angle, refuse_angles
+from ddgfab.nets.knet.net import KNet, knet
+from ddgfab.nets.knet.oriented import modulo, oriented_angle, refuse_angles
 from ddgfab.quads import finite
 from ddgfab.tolerances import NET_INPUT
 

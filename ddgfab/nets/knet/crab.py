@@ -16,7 +16,8 @@ from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.nets.knet.dini_net import of_normals
-from ddgfab.nets.knet.net import KNet, refuse_angles
+from ddgfab.nets.knet.net import KNet
+from ddgfab.nets.knet.oriented import refuse_angles
 from ddgfab.quads import finite, whole
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 

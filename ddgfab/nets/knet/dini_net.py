@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats
-from ddgfab.nets.knet.net import KNet, refuse_angles
+from ddgfab.nets.knet.net import KNet
+from ddgfab.nets.knet.oriented import refuse_angles
 from ddgfab.quads import finite, whole
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ddgfab.arguments import checked, vectors
+from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats
 from ddgfab.nets.asymptotic import integrate, lelieuvre_edges
+from ddgfab.nets.knet.oriented import modulo, oriented_angle, refuse_angles
 from ddgfab.nets.knet.spherical import evolve_spherical
 from ddgfab.quads import finite
 from ddgfab.tolerances import RELATIVE_DEGENERATE
@@ -194,27 +195,6 @@ def _moutard_gap(m: Floats, i: int, j: int) -> Floats:
 
 
 @checked
-def oriented_angle(normal: Floats, a: Floats, b: Floats) -> Floats:
-    """(...) angle from a to b about a normal [rad], in (-pi, pi]; vectors (..., 3).
-
-    Raises
-    ------
-    InputError
-        Vectors without three finite coordinates, or whose shapes do not go together.
-
-    Source: mathematics.md 3.5, 11b.
-    """
-    normal, a, b = vectors(normal=normal, a=a, b=b)
-    sine = np.einsum("...i,...i->...", normal, np.cross(a, b))
-    return np.asarray(np.arctan2(sine, np.einsum("...i,...i->...", a, b)))
-
-
-def modulo(angles: ArrayLike) -> Floats:
-    """Angles modulo 2 pi in [-pi, pi) [rad]."""
-    return np.asarray(np.remainder(np.asarray(angles) + np.pi, 2 * np.pi) - np.pi)
-
-
-@checked
 def knet(
     deltas: Sequence[ArrayLike],
     turns: Sequence[ArrayLike],
@@ -294,21 +274,6 @@ def _checked(
         finite(turn, f"turns of direction {k}")
         refuse_angles(delta, f"delta {{}} of direction {k}")
     return angles, bends, corners
-
-
-def refuse_angles(values: Floats, what: str) -> None:
-    """Raise `InputError` at the first of (n,) angles outside (0, pi): an edge of no length.
-
-    `what` names it, with {} for its index.
-    """
-    inside = (values > 0) & (values < np.pi)
-    bad = ~(np.sin(np.where(inside, values, 0.0)) > RELATIVE_DEGENERATE)
-    if bad.any():
-        at = int(np.argmax(bad))
-        raise InputError(
-            f"{what.format(at)} is {values[at]:g}; angles between 0 and pi are needed "
-            "(at these an edge has no length)"
-        )
 
 
 def _frame(origin: ArrayLike, normal: ArrayLike, edge: ArrayLike) -> tuple[Floats, Floats, Floats]:

@@ -16,7 +16,8 @@ from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.net import Net
 from ddgfab.nets.asymptotic import lelieuvre_edges, star_flatness, tangent_normals
-from ddgfab.nets.knet.net import CauchyData, KNet, oriented_angle
+from ddgfab.nets.knet.net import CauchyData, KNet
+from ddgfab.nets.knet.oriented import oriented_angle
 from ddgfab.quads import layer, net_points
 
 KNET_DEFECT = 1e-2

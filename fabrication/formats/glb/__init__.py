@@ -113,53 +113,14 @@ def glb_bytes(
     meshes : by part number, the mesh in the part's frame [mm]
     failed : marks of pieces that are shown in red
     """
-    kinds = list(dict.fromkeys(family.kind for family in families))
-    groups: dict[Kind, list[int]] = {f.kind: [] for f in families if f.instances}
-    # A glTF mesh owns its material, so a part number has a red twin where a piece of it failed.
-    prints: dict[tuple[str, bool], int] = {}
-    nodes: list[dict[str, Any]] = []
-    for family in families:
-        for instance in family.instances:
-            key = (family.number, instance.mark in failed)
-            groups[family.kind].append(1 + len(groups) + len(nodes))
-            nodes.append(
-                {
-                    "name": instance.mark,
-                    "mesh": prints.setdefault(key, len(prints)),
-                    "matrix": _matrix(instance.placement),
-                }
-            )
-    looks = [(kind.role, kind.color, kind.finish) for kind in kinds]
-    look_of = {family.number: kinds.index(family.kind) for family in families}
-    index = {family.number: i for i, family in enumerate(families)}
-    if any(red for _, red in prints):
-        looks.append((FAILED, FAILED_COLOR, "plastic"))
     positions = [_converted(meshes[f.number].vertices).astype("<f4") for f in families]
     triangles = [meshes[f.number].triangles.astype("<u4") for f in families]
     lengths = [sum(p.nbytes for p in positions), sum(t.nbytes for t in triangles)]
-    document: dict[str, Any] = {
+    document = {
         "asset": {"version": "2.0", "generator": originating_system()},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [
-            {"name": name, "children": list(range(1, 1 + len(groups)))},
-            *({"name": kind.title, "children": group} for kind, group in groups.items()),
-            *nodes,
-        ],
-        "materials": [_material(*look) for look in looks],
-        "meshes": [
-            {
-                "name": number,
-                "primitives": [
-                    {
-                        "attributes": {"POSITION": 2 * index[number]},
-                        "indices": 2 * index[number] + 1,
-                        "material": len(kinds) if red else look_of[number],
-                    }
-                ],
-            }
-            for number, red in prints
-        ],
+        **_scene(families, failed, name),
         "accessors": _accessors(positions, triangles),
         "bufferViews": [
             {
@@ -190,6 +151,57 @@ def glb_bytes(
             data,
         ]
     )
+
+
+def _scene(families: Sequence[Family], failed: Collection[str], name: str) -> dict[str, Any]:
+    """Nodes by kind under one root, materials, and the meshes that nodes refer to."""
+    kinds = list(dict.fromkeys(family.kind for family in families))
+    groups: dict[Kind, list[int]] = {f.kind: [] for f in families if f.instances}
+    # A glTF mesh owns its material, so a part number has a red twin where a piece of it failed.
+    prints: dict[tuple[str, bool], int] = {}
+    nodes: list[dict[str, Any]] = []
+    for family in families:
+        for instance in family.instances:
+            key = (family.number, instance.mark in failed)
+            groups[family.kind].append(1 + len(groups) + len(nodes))
+            nodes.append(
+                {
+                    "name": instance.mark,
+                    "mesh": prints.setdefault(key, len(prints)),
+                    "matrix": _matrix(instance.placement),
+                }
+            )
+    looks = [(kind.role, kind.color, kind.finish) for kind in kinds]
+    if any(red for _, red in prints):
+        looks.append((FAILED, FAILED_COLOR, "plastic"))
+    look_of = {family.number: kinds.index(family.kind) for family in families}
+    index = {family.number: i for i, family in enumerate(families)}
+    return {
+        "nodes": [
+            {"name": name, "children": list(range(1, 1 + len(groups)))},
+            *({"name": kind.title, "children": group} for kind, group in groups.items()),
+            *nodes,
+        ],
+        "materials": [_material(*look) for look in looks],
+        "meshes": [
+            _mesh(number, index[number], len(kinds) if red else look_of[number])
+            for number, red in prints
+        ],
+    }
+
+
+def _mesh(number: str, index: int, material: int) -> dict[str, Any]:
+    """The mesh of a part number, whose positions and corners are two accessors in a row."""
+    return {
+        "name": number,
+        "primitives": [
+            {
+                "attributes": {"POSITION": 2 * index},
+                "indices": 2 * index + 1,
+                "material": material,
+            }
+        ],
+    }
 
 
 def write_glb(
