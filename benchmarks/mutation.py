@@ -37,11 +37,12 @@ ROOMS = {
     "job": (
         ["fabrication/job"],
         [
-            f"test_job_{name}"
-            for name in (
-                *("folder", "limits", "lock", "names", "others"),
-                *("problems", "run", "sources"),
-            )
+            *("test_new_kind", "test_new_format"),
+            *(
+                f"test_job_{name}"
+                for name in ("folder", "limits", "lock", "names", "others", "problems")
+            ),
+            *("test_job_run", "test_job_sources"),
         ],
     ),
     "support": (["ddgfab/support"], ["test_support_*"]),

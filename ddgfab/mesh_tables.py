@@ -13,7 +13,7 @@ Ints = NDArray[np.int64]
 _T = TypeVar("_T", bound=np.generic)
 
 
-class Corners(Protocol):
+class MeshLike(Protocol):
     """What tables and checks need of a mesh; see `ddgfab.mesh.Mesh`."""
 
     @property
@@ -59,7 +59,7 @@ def frozen(array: NDArray[_T]) -> NDArray[_T]:
     return array
 
 
-def require_manifold(mesh: Corners) -> None:
+def require_manifold(mesh: MeshLike) -> None:
     """Raise `MeshError` where a mesh is not an oriented manifold with finite coordinates."""
     bad = np.flatnonzero(~np.isfinite(mesh.vertices).all(axis=1))
     if len(bad):
@@ -133,7 +133,7 @@ def loops_of(edges: Ints) -> tuple[Ints, ...]:
     return tuple(loops)
 
 
-def star_tables(mesh: Corners) -> tuple[Ints, Ints, Ints]:
+def star_tables(mesh: MeshLike) -> tuple[Ints, Ints, Ints]:
     """Start of each vertex' star; its edges counterclockwise; the face after each edge, or -1."""
     twin, previous = mesh.corner_twin, mesh.corner_previous
     turn = twin[previous]  # the next outgoing half-edge counterclockwise, -1 at the boundary

@@ -65,7 +65,7 @@ class Place(NamedTuple):
         raise DegenerateError(f"{self.name} {cell}: {what}{number}", cell=cell)
 
 
-class Frame(NamedTuple):
+class QuadFrame(NamedTuple):
     """Plane coordinates of a quad: b = along e + across w, with orthonormal e = a / length, w."""
 
     e: Floats
@@ -75,7 +75,7 @@ class Frame(NamedTuple):
     w: Floats
 
 
-def edge_frame(a: Floats, b: Floats, place: Place, what: str) -> Frame:
+def edge_frame(a: Floats, b: Floats, place: Place, what: str) -> QuadFrame:
     """Frame of two edges; refuses edges of no length and parallel ones (saying `what`)."""
     length, other = norm(a), norm(b)
     place.refuse((length == 0) | (other == 0), "an edge has no length", np.minimum(length, other))
@@ -88,7 +88,7 @@ def edge_frame(a: Floats, b: Floats, place: Place, what: str) -> Frame:
         f"{what}: sine of their angle, limit {RELATIVE_DEGENERATE:g}",
         across / other,
     )
-    return Frame(e, length, along, across, w / across)
+    return QuadFrame(e, length, along, across, w / across)
 
 
 def net_points(points: ArrayLike, dim: int | None = None) -> Floats:

@@ -15,7 +15,7 @@ from ddgfab.redesign.dilemma import dilemma
 from ddgfab.surfaces.analytic import named_surface
 from ddgfab.surfaces.principal import principal
 from ddgfab.trace import trace
-from fabrication.pictures.fields import Panel, write_panels
+from fabrication.pictures.fields import FieldPlot, write_panels
 
 FOLDER = Path(__file__).parent / "surfaces"
 SIZE = (1400, 560)
@@ -32,8 +32,8 @@ def nets(folder: Path) -> None:
         names = tuple(f"{umbilic.index:+g}" for umbilic in found.network.umbilics)
         certain = principal(surface.jets(found.traced.uv)).anisotropy
         panels = [
-            Panel(found.mesh, marks=places, captions=names),
-            Panel(found.mesh, certain, "anisotropy", (0.0, 1.0)),
+            FieldPlot(found.mesh, marks=places, captions=names),
+            FieldPlot(found.mesh, certain, "anisotropy", (0.0, 1.0)),
         ]
         write_panels(folder / f"{name}.png", panels, size=SIZE)
 
@@ -45,8 +45,8 @@ def moved_dome(folder: Path) -> None:
     angles = np.full(drawn.n_faces, np.nan)
     angles[found.before.faces] = np.degrees(found.before.principal)
     panels = [
-        Panel(drawn, angles, "edges from principal [deg]", (0.0, 45.0)),
-        Panel(found.mesh, found.normal, "moved along the normal [mm]"),
+        FieldPlot(drawn, angles, "edges from principal [deg]", (0.0, 45.0)),
+        FieldPlot(found.mesh, found.normal, "moved along the normal [mm]"),
     ]
     write_panels(folder / "dilemma.png", panels, size=SIZE)
 

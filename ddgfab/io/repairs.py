@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from ddgfab.io.junctions import check_folded, check_junctions, overlapping
 from ddgfab.io.near import near_pairs
 from ddgfab.io.raw import RawMesh
-from ddgfab.io.weld import SETTINGS, Welded, weld, without_neighbors, without_unused
+from ddgfab.io.weld import SETTINGS, WeldedPolygons, weld, without_neighbors, without_unused
 from ddgfab.mesh import Ints, Mesh
 from ddgfab.tolerances import COORDINATE_LIMIT, RELATIVE_DEGENERATE, WELD_STEPS
 
@@ -128,7 +128,7 @@ def _narrow_gaps(mesh: Mesh) -> list[str]:
     ]
 
 
-def _weld_notes(raw: RawMesh, welded: Welded) -> list[str]:
+def _weld_notes(raw: RawMesh, welded: WeldedPolygons) -> list[str]:
     """What welding changed, with lines where the file has them."""
     notes = []
     if welded.merged:

@@ -23,7 +23,7 @@ SETTINGS = "--weld, [net] weld_mm"
 
 
 @dataclass(frozen=True, eq=False)
-class Welded:
+class WeldedPolygons:
     """Polygons after welding.
 
     Attributes
@@ -46,7 +46,7 @@ def noise(raw: RawMesh) -> float:
     return min(WELD_STEPS * raw.step, WELD_FINE * extent(raw.points))
 
 
-def weld(raw: RawMesh, distance: float | None = None) -> Welded:
+def weld(raw: RawMesh, distance: float | None = None) -> WeldedPolygons:
     """One vertex for points nearer than a distance, and no corner twice in a row in a face.
 
     Chains of near points become one vertex, the one with the lowest id. By default the distance
@@ -142,7 +142,7 @@ def _check_collapse(raw: RawMesh, same: Ints, distance: float, tiny: float) -> N
         )
 
 
-def _joined(raw: RawMesh, same: Ints, distance: float) -> Welded:
+def _joined(raw: RawMesh, same: Ints, distance: float) -> WeldedPolygons:
     """Faces on the vertices that stay; points that no face uses any more are gone."""
     owner = np.repeat(np.arange(len(raw.sizes)), raw.sizes)
     corners = same[raw.corners]
@@ -164,7 +164,7 @@ def _joined(raw: RawMesh, same: Ints, distance: float) -> Welded:
         face_lines=None if lines is None else lines[stays],
         groups=raw.groups.renumbered(same),
     )
-    return Welded(without_unused(raw), distance, merged, shrunk, gone)
+    return WeldedPolygons(without_unused(raw), distance, merged, shrunk, gone)
 
 
 def without_neighbors(raw: RawMesh) -> RawMesh:

@@ -15,7 +15,7 @@ from ddgfab.linkages.cauchy import Numbers
 from ddgfab.linkages.frames import angular_velocity, frames_and_rates
 from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Bounds
-from ddgfab.linkages.models import DISC, ORDER, WIDER, Model, closing, product
+from ddgfab.linkages.taylor_models import DISC, ORDER, WIDER, TaylorModel, closing, product
 from ddgfab.mesh import Floats
 
 
@@ -70,11 +70,11 @@ def crab_bounds(drive: MovingRings, grid: Grid, ts: Floats, half: Floats) -> Bou
     return Bounds(acceleration, spin_rate, now + half[:, None] * spin_rate)
 
 
-def _models(drive: MovingRings, ts: Floats, half: Floats) -> list[Model]:
+def _models(drive: MovingRings, ts: Floats, half: Floats) -> list[TaylorModel]:
     """Models of theta_0, theta_1, ..."""
     c = float(np.cos(drive.gamma))
     middles = drive.thetas(ts)
-    start = Model.linear(1.0, len(ts))
+    start = TaylorModel.linear(1.0, len(ts))
     # f(theta) = 2 atan(c tan(theta)) = -2 atan(c / tan((2 theta + pi) / 2)).
     turns = [closing(c, 2.0 * ts + np.pi, start.scaled(2.0), half).scaled(-1.0)]
     out = [start, turns[0].scaled(0.5) + _second(drive, ts, half)]
@@ -84,8 +84,8 @@ def _models(drive: MovingRings, ts: Floats, half: Floats) -> list[Model]:
     return out
 
 
-def _second(drive: MovingRings, ts: Floats, half: Floats) -> Model:
-    """Model of y = acos(cos(delta) / M), M^2 = A + B cos(2 theta_0).
+def _second(drive: MovingRings, ts: Floats, half: Floats) -> TaylorModel:
+    """Taylor model of y = acos(cos(delta) / M), M^2 = A + B cos(2 theta_0).
 
     dy/dtheta = -cos(delta) B sin(2 theta) / (M^2 sqrt(M^2 - cos(delta)^2)).
     """
@@ -107,7 +107,7 @@ def _second(drive: MovingRings, ts: Floats, half: Floats) -> Model:
         disc = widening * DISC * half
         steep = _steepest(ts, disc, near, a, b)
         tail = np.minimum(tail, steep * disc * widening ** -(ORDER + 1) / (1.0 - 1.0 / widening))
-    return Model(terms, tail)
+    return TaylorModel(terms, tail)
 
 
 def _steepest(ts: Floats, disc: Floats, near: float, a: float, b: float) -> Floats:
@@ -138,7 +138,7 @@ def power(series: Floats, exponent: float) -> Floats:
     return out
 
 
-def _accelerations(drive: MovingRings, models: list[Model], half: Floats) -> Floats:
+def _accelerations(drive: MovingRings, models: list[TaylorModel], half: Floats) -> Floats:
     """(rings, T) bounds of |x''| of the hinges [mm].
 
     r sin(gamma) = (1 + c)/2 sin(m) +- (1 - c)/2 sin(p) and the rise of a level is

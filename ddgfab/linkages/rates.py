@@ -1,7 +1,7 @@
 """Proven bounds on the speeds and accelerations of a lattice of isograms over intervals.
 
 Angles between bars spread from the anchor: at a hinge all of them add up, across an isogram each is
-the closing function of the next; both for `Model`s, so nothing is sampled. Bars turn about
+the closing function of the next; both for `TaylorModel`s, so nothing is sampled. Bars turn about
 hinges of bars that are known: |omega'| of the next bar <= |omega'| + |angle''| + |angle'| |omega|.
 Source: mathematics.md 3.7; the chain of angular velocities of rigid bodies.
 """
@@ -17,7 +17,7 @@ from ddgfab.linkages.cauchy import Numbers, points_of
 from ddgfab.linkages.frames import angular_velocity, frames_and_rates
 from ddgfab.linkages.grid import Grid
 from ddgfab.linkages.mechanism import Bounds
-from ddgfab.linkages.models import TINY, Model, closing
+from ddgfab.linkages.taylor_models import TINY, TaylorModel, closing
 from ddgfab.mesh import Floats
 from ddgfab.nets.knet.oriented import oriented_angle
 
@@ -76,11 +76,11 @@ class _Spread:
         self.ts = ts
         m = lattice.lelieuvre(ts)
         self.m, self.x = m, points_of(m, lattice.r, self.anchor)
-        self.quads: dict[tuple[Vertex, int, int], tuple[Model, Model]] = {}
+        self.quads: dict[tuple[Vertex, int, int], tuple[TaylorModel, TaylorModel]] = {}
         index = np.indices(self.shape).reshape(self.d, -1).T
         far = np.abs(index - np.array(self.anchor)).sum(axis=1)
         self.order = [tuple(map(int, index[i])) for i in np.argsort(far, kind="stable")]
-        self.arms: dict[Vertex, dict[Arm, Model]] = {}
+        self.arms: dict[Vertex, dict[Arm, TaylorModel]] = {}
         for vertex in self.order:
             self.arms[vertex] = self._join(vertex)
             self._cross(vertex)
@@ -110,9 +110,9 @@ class _Spread:
                     corner = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}[a, b]
                     yield (tuple(base), k, other), corner, first, second
 
-    def _join(self, vertex: Vertex) -> dict[Arm, Model]:
+    def _join(self, vertex: Vertex) -> dict[Arm, TaylorModel]:
         """How every bar at a hinge turns about its axis m, relative to the first of them."""
-        links: list[tuple[Arm, Arm, Model]] = []
+        links: list[tuple[Arm, Arm, TaylorModel]] = []
         for key, corner, first, second in self._corners(vertex):
             if key in self.quads:
                 phi, psi = self.quads[key]
@@ -127,11 +127,11 @@ class _Spread:
         for k in on_line:
             if 0 < vertex[k] < self.shape[k] - 1:
                 rate = sign * float(self.lattice.turn_rates[k][vertex[k] - 1])
-                links.append(((k, -1), (k, 1), Model.linear(rate, self.count)))
+                links.append(((k, -1), (k, 1), TaylorModel.linear(rate, self.count)))
         if vertex == self.anchor:
             for k in range(1, self.d):
                 rate = float(self.lattice.corner_rates[k - 1])
-                links.append(((0, 1), (k, 1), Model.linear(rate, self.count)))
+                links.append(((0, 1), (k, 1), TaylorModel.linear(rate, self.count)))
         return _spanning(self._arms(vertex), links, self.count)
 
     def _cross(self, vertex: Vertex) -> None:
@@ -210,9 +210,11 @@ class _Spread:
         return Bounds(acceleration, spin_rate, spin)
 
 
-def _spanning(arms: list[Arm], links: list[tuple[Arm, Arm, Model]], count: int) -> dict[Arm, Model]:
+def _spanning(
+    arms: list[Arm], links: list[tuple[Arm, Arm, TaylorModel]], count: int
+) -> dict[Arm, TaylorModel]:
     """Models of all arms relative to the first, along the fewest links."""
-    out = {arms[0]: Model.linear(0.0, count)}
+    out = {arms[0]: TaylorModel.linear(0.0, count)}
     front = [arms[0]]
     while front:
         ahead: list[Arm] = []

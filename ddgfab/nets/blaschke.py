@@ -18,7 +18,7 @@ from ddgfab.quads import net_points
 from ddgfab.tolerances import RELATIVE_DEGENERATE
 
 
-class Frame(NamedTuple):
+class Scaling(NamedTuple):
     """Origin and unit of length in which planes are computed."""
 
     center: Floats
@@ -37,17 +37,17 @@ class Frame(NamedTuple):
         return np.asarray(out)
 
 
-def frame_of(planes: Sequence[Floats]) -> Frame:
+def frame_of(planes: Sequence[Floats]) -> Scaling:
     """The point nearest to all planes and their greatest distance from it."""
     rows = np.concatenate(planes)
     center = np.linalg.lstsq(rows[:, :3], rows[:, 3], rcond=RELATIVE_DEGENERATE)[0]
     away = float(np.abs(rows[:, 3] - rows[:, :3] @ center).max())
     far = float(np.abs(rows[:, 3]).max())
     # Planes through one point have no size of their own.
-    return Frame(np.asarray(center), away if away > RELATIVE_DEGENERATE * far else max(far, 1.0))
+    return Scaling(np.asarray(center), away if away > RELATIVE_DEGENERATE * far else max(far, 1.0))
 
 
-def on_cylinder(planes: Floats) -> tuple[Floats, Frame]:
+def on_cylinder(planes: Floats) -> tuple[Floats, Scaling]:
     """The points (n, d) of planes in their frame, and the frame."""
     frame = frame_of([planes.reshape(-1, 4)])
     return frame.scaled(planes), frame

@@ -94,7 +94,7 @@ def _odd_cycle(mesh: Mesh, corner: int) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class Submesh:
     """Some faces of a mesh as a mesh of their own.
 
     Attributes
@@ -109,7 +109,7 @@ class Piece:
 
 
 @checked
-def piece(mesh: Mesh, faces: Ints | NDArray[np.bool_]) -> Piece:
+def piece(mesh: Mesh, faces: Ints | NDArray[np.bool_]) -> Submesh:
     """The given faces (ids, or a mask of all) as a mesh of their own.
 
     Raises
@@ -137,7 +137,7 @@ def piece(mesh: Mesh, faces: Ints | NDArray[np.bool_]) -> Piece:
     corners = mesh.corners[inside[mesh.corner_face]]
     vertices, own = np.unique(corners, return_inverse=True)
     lists = np.split(own, np.cumsum(mesh.face_sizes[chosen])[:-1])
-    return Piece(Mesh.build(mesh.vertices[vertices], lists), vertices, chosen)
+    return Submesh(Mesh.build(mesh.vertices[vertices], lists), vertices, chosen)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from ddgfab.trace.lines import Line, Tracer
 from ddgfab.trace.mesh import TracedMesh, network_mesh
 from ddgfab.trace.placing import Network, place
 from ddgfab.trace.recipe import Traced, trace
-from ddgfab.trace.report import Quality, quality
+from ddgfab.trace.report import TraceQuality, quality
 from ddgfab.trace.umbilics import Umbilic
 
 __all__ = [
@@ -16,7 +16,7 @@ __all__ = [
     "Line",
     "Network",
     "PrincipalField",
-    "Quality",
+    "TraceQuality",
     "Traced",
     "TracedMesh",
     "Tracer",

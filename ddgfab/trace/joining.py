@@ -18,7 +18,7 @@ _SAME: Final = 0.35
 
 
 @dataclass(frozen=True, eq=False)
-class Joined:
+class JoinedMeshes:
     """Several meshes as one.
 
     Attributes
@@ -33,7 +33,9 @@ class Joined:
 
 
 @checked
-def joined(meshes: Sequence[Mesh], shared: Sequence[Sequence[Ints]], spacing: float) -> Joined:
+def joined(
+    meshes: Sequence[Mesh], shared: Sequence[Sequence[Ints]], spacing: float
+) -> JoinedMeshes:
     """One mesh of several whose rims meet.
 
     Vertices of both sides that are near each other become one, at the place of the earlier mesh.
@@ -89,7 +91,7 @@ def joined(meshes: Sequence[Mesh], shared: Sequence[Sequence[Ints]], spacing: fl
             "spacing a little, or trace one face at a time: --face 0"
         ) from None
     index = tuple(place[name[start[k] : start[k + 1]]] for k in range(len(meshes)))
-    return Joined(mesh, index, tuple(borders))
+    return JoinedMeshes(mesh, index, tuple(borders))
 
 
 def _pairs(one: Floats, two: Floats, reach: float) -> Ints:

@@ -14,7 +14,7 @@ from ddgfab.arguments import checked
 from ddgfab.errors import InputError
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.surfaces.spline import SplineSurface
-from ddgfab.trace.joining import Joined, joined
+from ddgfab.trace.joining import JoinedMeshes, joined
 from ddgfab.trace.recipe import Traced, trace
 from ddgfab.trace.reference import reference_mesh
 from ddgfab.trace.samples import Samples
@@ -36,7 +36,7 @@ class Patches:
 
     surfaces: tuple[SplineSurface, ...]
     traced: tuple[Traced, ...]
-    joined: Joined
+    joined: JoinedMeshes
     tag: Ints
     joints: tuple[str, ...]
     spacing: float
@@ -152,7 +152,7 @@ def _split(surfaces: Sequence[SplineSurface], ways: dict[str, Any]) -> list[dict
     ]
 
 
-def _joints(surfaces: Sequence[SplineSurface], whole: Joined) -> tuple[str, ...]:
+def _joints(surfaces: Sequence[SplineSurface], whole: JoinedMeshes) -> tuple[str, ...]:
     if len(surfaces) == 1:
         return ()
     rows = []

@@ -17,7 +17,7 @@ from ddgfab.trace.drawn import followed, laid_curves
 from ddgfab.trace.field import ConjugateField, Field, PrincipalField, plane_sections, turned
 from ddgfab.trace.mesh import TracedMesh, network_mesh
 from ddgfab.trace.placing import Network, place
-from ddgfab.trace.report import Quality, quality
+from ddgfab.trace.report import TraceQuality, quality
 
 _NEARLY: Final = (1.0, 1.02, 0.98, 1.05, 0.95)
 """Where lines touch or make no cells, as noise near the rim makes them, spacings as near as these
@@ -30,7 +30,7 @@ class Traced:
 
     network: Network
     traced: TracedMesh
-    quality: Quality
+    quality: TraceQuality
 
     @property
     def mesh(self) -> Mesh:

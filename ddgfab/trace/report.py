@@ -22,7 +22,7 @@ _DOUBTFUL: Final = 2.0
 
 
 @dataclass(frozen=True)
-class Quality:
+class TraceQuality:
     """Numbers of a traced net. Lengths in the unit of the surface, angles in degrees.
 
     Attributes
@@ -117,7 +117,7 @@ class Quality:
 
 
 @checked
-def quality(network: Network, traced: TracedMesh) -> Quality:
+def quality(network: Network, traced: TracedMesh) -> TraceQuality:
     """Measure a traced net."""
     mesh, samples = traced.mesh, network.samples
     inner = traced.inner_faces
@@ -132,7 +132,7 @@ def quality(network: Network, traced: TracedMesh) -> Quality:
     places = np.array([umbilic.x for umbilic in network.umbilics]).reshape(-1, 3)
     far = cKDTree(samples.rim(given / 4)).query(places)[0] if len(places) else []
     low, middle, high = np.percentile(ratio, [5, 50, 95]).tolist()
-    return Quality(
+    return TraceQuality(
         vertices=mesh.n_vertices,
         faces=mesh.n_faces,
         lines=(len(network.lines[0]), len(network.lines[1])),

@@ -31,7 +31,7 @@ ROUNDING_MM: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class ClosedMesh:
     """A closed mesh [mm] with what is known of it; one that looks inwards is turned over."""
 
     mesh: TriangleMesh
@@ -91,7 +91,7 @@ class Overlap:
 
 
 def overlaps(
-    bodies: Sequence[Body],
+    bodies: Sequence[ClosedMesh],
     owner: Ints,
     placements: Floats,
     tolerances: Floats,
@@ -136,8 +136,8 @@ def overlaps(
 
 
 def _rigid(
-    bodies: Sequence[Body], owner: Ints, placements: Floats
-) -> tuple[list[Body], Ints, Floats]:
+    bodies: Sequence[ClosedMesh], owner: Ints, placements: Floats
+) -> tuple[list[ClosedMesh], Ints, Floats]:
     """The same with rigid motions only: what is scaled or mirrored gets a body of its own."""
     turn = placements[:, :3, :3]
     square = np.einsum("nki,nkj->nij", turn, turn)
@@ -153,7 +153,7 @@ def _rigid(
             body.mesh.vertices @ at[:3, :3].T + at[:3, 3], np.ascontiguousarray(triangles)
         )
         owner[row], placements[row] = len(every), np.eye(4)
-        every.append(Body(mesh, body.volume * abs(det), body.name))
+        every.append(ClosedMesh(mesh, body.volume * abs(det), body.name))
     return every, owner, placements
 
 
@@ -166,7 +166,7 @@ def volume_factor(placements: Floats) -> Floats:
     return np.asarray(np.einsum("ni,ni->n", np.cross(rows[:, 0], rows[:, 1]), rows[:, 2]))
 
 
-def plane_distance(one: Body, two: Body, motion: Placement | None = None) -> float:
+def plane_distance(one: ClosedMesh, two: ClosedMesh, motion: Placement | None = None) -> float:
     """Lower bound [mm] on the distance of two bodies by planes along their faces.
 
     Parameters
@@ -182,7 +182,9 @@ def plane_distance(one: Body, two: Body, motion: Placement | None = None) -> flo
     return max(best, float(((normals @ points.T).min(axis=1) - reach).max()))
 
 
-def common_depth(one: Body, two: Body, motion: Placement | None = None) -> tuple[float, float]:
+def common_depth(
+    one: ClosedMesh, two: ClosedMesh, motion: Placement | None = None
+) -> tuple[float, float]:
     """Volume [mm3] that two bodies share, and its depth [mm].
 
     The depth is that of a slab of this volume and surface: exact for a thin one and less than the
@@ -195,12 +197,12 @@ def common_depth(one: Body, two: Body, motion: Placement | None = None) -> tuple
     return volume, 2.0 * volume / area if area > 0 else 0.0
 
 
-def touch(one: Body, two: Body, tolerance: float) -> bool:
+def touch(one: ClosedMesh, two: ClosedMesh, tolerance: float) -> bool:
     """Whether two bodies come nearer to each other than a tolerance [mm]."""
     return float(one.manifold.min_gap(two.manifold, 2 * tolerance)) <= tolerance
 
 
-def covered(bodies: Sequence[Body]) -> float:
+def covered(bodies: Sequence[ClosedMesh]) -> float:
     """Volume [mm3] that bodies cover, what they share counted once.
 
     One that looks inwards is taken off those larger than it.

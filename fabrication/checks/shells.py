@@ -19,7 +19,7 @@ from ddgfab.errors import KernelError
 from ddgfab.mesh import Floats, Ints
 from fabrication.checks.boxes import box_pairs, box_pairs_between
 from fabrication.checks.crossing import crossings
-from fabrication.checks.overlaps import Body, common_depth, covered, plane_distance, touch
+from fabrication.checks.overlaps import ClosedMesh, common_depth, covered, plane_distance, touch
 from fabrication.specs import TriangleMesh
 
 SAME_DIRECTION: Final = 1e-5
@@ -182,7 +182,7 @@ def examine_shells(mesh: TriangleMesh, tolerance: float) -> Shells | int:
     own = label[cross[:, 0]] == label[cross[:, 1]]
     if own.any():
         problems.append(f"triangles go through each other at {int(own.sum())} places")
-    bodies = [Body(part, volume) for part, volume in zip(parts, volumes, strict=True)]
+    bodies = [ClosedMesh(part, volume) for part, volume in zip(parts, volumes, strict=True)]
     wild = _wild(bodies)
     if wild:
         named = ", ".join(str(k + 1) for k in sorted(wild)[:3])
@@ -231,7 +231,7 @@ def examine_shells(mesh: TriangleMesh, tolerance: float) -> Shells | int:
     return Shells(split, volumes, tuple(touching), tuple(problems), total)
 
 
-def _wild(bodies: list[Body]) -> set[int]:
+def _wild(bodies: list[ClosedMesh]) -> set[int]:
     """Places of the bodies that manifold3d does not take: an edge comes twice in one umbrella."""
     found = set()
     for place, body in enumerate(bodies):

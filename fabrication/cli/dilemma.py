@@ -203,13 +203,13 @@ def _draw(path: Path, found: Dilemma) -> str:
     import numpy as np
 
     from ddgfab.errors import OutputError
-    from fabrication.pictures.fields import Panel, write_panels
+    from fabrication.pictures.fields import FieldPlot, write_panels
 
     angles: Any = np.full(found.original.n_faces, np.nan)
     known = found.before.faces[found.before.determined]
     angles[known] = np.degrees(found.before.principal[found.before.determined])
-    one = Panel(found.original, angles, "edges from principal [deg]", (0.0, 45.0))
-    two = Panel(found.mesh, found.normal, "moved along the normal [mm]")
+    one = FieldPlot(found.original, angles, "edges from principal [deg]", (0.0, 45.0))
+    two = FieldPlot(found.mesh, found.normal, "moved along the normal [mm]")
     try:
         write_panels(path, [one, two])
     except OutputError as error:

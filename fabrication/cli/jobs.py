@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from fabrication.job.plan import Plan
-    from fabrication.job.product import Design, Product
+    from fabrication.job.product import HasProduct, Product
     from fabrication.job.result import JobResult
 
 SHOWN: Final = 3
@@ -22,7 +22,7 @@ SHOWN: Final = 3
 MANY: Final = 6
 """Of more files in a folder a plan names the first and the last."""
 
-D = TypeVar("D", bound="Design")
+D = TypeVar("D", bound="HasProduct")
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import typer
 _LIVE, _DONE, _STOPPED = "live", "done", "stopped"
 
 
-class Steps:
+class StepPrinter:
     """A callback (step, done, of): a bar a step on a terminal, a line a step elsewhere.
 
     A new step ends the one before it: its clock stops. The live step shows how long it has taken

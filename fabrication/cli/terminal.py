@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import typer
 from typer.core import TyperGroup
 
-from fabrication.cli.steps import Steps
+from fabrication.cli.steps import StepPrinter
 
 if TYPE_CHECKING:
     from fabrication.progress import Progress
@@ -49,7 +49,7 @@ class Session:
     def __init__(self, quiet: bool = False, verbose: bool = False) -> None:
         self.quiet, self.verbose = quiet, verbose
         self.outcome = "nothing was written"
-        self._steps = Steps(hidden=quiet, timed=verbose)
+        self._steps = StepPrinter(hidden=quiet, timed=verbose)
 
     @property
     def progress(self) -> Progress:

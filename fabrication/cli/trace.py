@@ -175,7 +175,7 @@ def _draw(path: Path, found: Patches) -> str:
     from ddgfab.trace import PrincipalField
     from ddgfab.trace.certainty import turn_by_error
     from ddgfab.trace.field import sines
-    from fabrication.pictures.fields import Panel, write_panels
+    from fabrication.pictures.fields import FieldPlot, write_panels
 
     marked = [umbilic for one in found.traced for umbilic in one.network.umbilics]
     places = np.array([umbilic.x for umbilic in marked]).reshape(-1, 3)
@@ -193,8 +193,8 @@ def _draw(path: Path, found: Patches) -> str:
         values[index[keep]] = np.degrees(angle)
     rim = np.flatnonzero(found.mesh.boundary_edge)
     panels = [
-        Panel(found.mesh, lines=rim, marks=places, captions=names),
-        Panel(found.mesh, values, title, span),
+        FieldPlot(found.mesh, lines=rim, marks=places, captions=names),
+        FieldPlot(found.mesh, values, title, span),
     ]
     try:
         write_panels(path, panels)

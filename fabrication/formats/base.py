@@ -75,7 +75,7 @@ class Title:
 
 
 @dataclass(frozen=True)
-class About:
+class Provenance:
     """What files state of their origin.
 
     Attributes
@@ -177,7 +177,7 @@ class Whole:
     mates : holes that must have one axis
     """
 
-    about: About
+    about: Provenance
     parts: Mapping[str, Part]
     families: Sequence[Family]
     shown: Sequence[Family]
@@ -227,7 +227,7 @@ class Format:
     libraries: ClassVar[tuple[str, ...]] = ()
     options: ClassVar[Mapping[str, tuple[str, ...]]] = {}
 
-    def option(self, about: About, name: str) -> str:
+    def option(self, about: Provenance, name: str) -> str:
         """The value of an option: that of the project, or the default."""
         return about.options.get(self.name, {}).get(name, self.options[name][0])
 
@@ -235,7 +235,7 @@ class Format:
         """Whether there is a file of this part number in the format."""
         return True
 
-    def write_part(self, path: Path, part: Part, about: About) -> None:
+    def write_part(self, path: Path, part: Part, about: Provenance) -> None:
         """Write the file of one part number."""
 
     def check_part(self, path: Path, part: Part) -> list[Check]:

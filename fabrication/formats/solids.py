@@ -10,8 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from fabrication.checks.overlaps import Body as Solid
-from fabrication.checks.overlaps import overlaps, volume_factor
+from fabrication.checks.overlaps import ClosedMesh, overlaps, volume_factor
 from fabrication.checks.shells import Shells, examine_shells, signed_volume
 from fabrication.formats.report import FileReport
 from fabrication.specs import Placement, TriangleMesh
@@ -22,7 +21,7 @@ largest: overlaps of less depth are none."""
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyReport:
     """One product or mesh of a file.
 
     name : product or object name, empty when the format has none
@@ -55,7 +54,7 @@ class SolidsReport(FileReport):
     """
 
     unit: str
-    bodies: tuple[Body, ...]
+    bodies: tuple[BodyReport, ...]
     volume_mm3: float
 
 
@@ -73,14 +72,14 @@ def mesh_report(
     meshes : name, how often it is placed, mesh [mm]
     standing : what is placed: which mesh, its name, (4, 4) placement [mm]
     """
-    bodies: list[Body] = []
-    solids: list[Solid | None] = []
+    bodies: list[BodyReport] = []
+    solids: list[ClosedMesh | None] = []
     for name, instances, mesh in meshes:
         shells = examine_shells(mesh, _rounding(mesh))
         solid = None
         if isinstance(shells, Shells):
             found, volume = shells.problems, shells.union
-            solid = None if found else Solid(shells.mesh, volume, name)
+            solid = None if found else ClosedMesh(shells.mesh, volume, name)
             counts = (len(shells.volumes), shells.cavities, len(shells.touching))
         else:
             volume = signed_volume(mesh)
@@ -88,7 +87,7 @@ def mesh_report(
             found, counts = (open_edges if shells else "contains no triangles",), (0, 0, 0)
         solids.append(solid)
         bodies.append(
-            Body(name, instances, None, len(mesh.triangles), volume, tuple(found), *counts)
+            BodyReport(name, instances, None, len(mesh.triangles), volume, tuple(found), *counts)
         )
     rounding = [_rounding(mesh) for _, _, mesh in meshes]
     shared = interference(solids, standing, rounding)
@@ -101,7 +100,7 @@ def mesh_report(
 
 
 def interference(
-    solids: Sequence[Solid | None],
+    solids: Sequence[ClosedMesh | None],
     standing: Sequence[tuple[int, str, Placement]],
     tolerances: Sequence[float],
     groups: Sequence[int] | None = None,
@@ -149,7 +148,7 @@ def solids_report(
     path: Path,
     kind: str,
     unit: str,
-    bodies: list[Body],
+    bodies: list[BodyReport],
     between: Sequence[str] = (),
     volume: float | None = None,
 ) -> SolidsReport:
@@ -179,7 +178,7 @@ def solids_report(
     )
 
 
-def _contents(bodies: Sequence[Body]) -> str:
+def _contents(bodies: Sequence[BodyReport]) -> str:
     """How many bodies, instances, triangles, shells, cavities and touching shells."""
     placed = sum(body.instances for body in bodies)
     what = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'}"

@@ -14,7 +14,7 @@ from ddgfab.io.regular import read_regular
 from ddgfab.mesh import Floats
 from ddgfab.tolerances import COORDINATE_LIMIT
 from fabrication.checks.mesh import measure_mesh
-from fabrication.formats.base import About, Format, Part
+from fabrication.formats.base import Format, Part, Provenance
 from fabrication.formats.solids import SolidsReport, mesh_report
 from fabrication.specs import Check, TriangleMesh
 
@@ -36,7 +36,7 @@ class Stl(Format):
     parts = True
     by_default = "always"
 
-    def write_part(self, path: Path, part: Part, about: About) -> None:
+    def write_part(self, path: Path, part: Part, about: Provenance) -> None:
         """Binary; see `stl_bytes`."""
         path.write_bytes(stl_bytes(part.mesh, part.number))
 

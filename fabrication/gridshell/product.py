@@ -18,7 +18,7 @@ from fabrication.gridshell.design import Design
 from fabrication.gridshell.remedies import remedies
 from fabrication.gridshell.room import CHORD_MM, gaps_kept
 from fabrication.gridshell.schedules import CONVENTIONS, schedules
-from fabrication.job.problems import Problem
+from fabrication.job.problems import FailedCheck
 from fabrication.job.product import Product
 from fabrication.job.whole import PREVIEW
 from fabrication.parts.beam import BEAM
@@ -115,7 +115,7 @@ class GridshellProduct(Product):
         """Remarks of the reader and of the detailing."""
         return [*self.design.source.notes, *self.design.gridshell.problems]
 
-    def remedies(self, problems: Sequence[Problem]) -> list[tuple[str, str, Any]]:
+    def remedies(self, problems: Sequence[FailedCheck]) -> list[tuple[str, str, Any]]:
         """See `fabrication.gridshell.remedies`."""
         return remedies(self.design, problems)
 

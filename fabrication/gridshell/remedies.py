@@ -13,7 +13,7 @@ from fabrication.gridshell.design import Design
 from fabrication.gridshell.net_settings import MESH, OPTIMIZE_OPTIONS
 from fabrication.gridshell.pieces import Panel
 from fabrication.gridshell.room import settings_with_room
-from fabrication.job.problems import Problem
+from fabrication.job.problems import FailedCheck
 from fabrication.solids.polygon import least_rectangle
 
 LARGEST_PANE_MM: Final = 50_000.0
@@ -22,7 +22,7 @@ LARGEST_PANE_MM: Final = 50_000.0
 _QUAD: Final = 4
 
 
-def remedies(design: Design, problems: Sequence[Problem]) -> list[tuple[str, str, Any]]:
+def remedies(design: Design, problems: Sequence[FailedCheck]) -> list[tuple[str, str, Any]]:
     """(section, key, value) of the settings that help.
 
     A net that is not planar, or whose node axes lean, is optimized: torsion-free where the axes are

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ddgfab.errors import DdgError
-from fabrication.job.problems import Problem, problems_of
+from fabrication.job.problems import FailedCheck, problems_of
 from fabrication.job.product import Product
 from fabrication.project.toml import argument_text
 
@@ -24,7 +24,7 @@ class LimitError(DdgError):
 
     def __init__(
         self,
-        problems: Sequence[Problem],
+        problems: Sequence[FailedCheck],
         settings: Sequence[tuple[str, str, Any]],
         advice: str = "",
     ) -> None:
@@ -65,7 +65,7 @@ def check_limits(product: Product) -> None:
         raise LimitError(problems, product.remedies(problems), product.nothing_helps)
 
 
-def problems_known(product: Product) -> tuple[Problem, ...]:
+def problems_known(product: Product) -> tuple[FailedCheck, ...]:
     """Limits that pieces are beyond, as far as is known before parts are made."""
     roles = {piece.mark: piece.kind.role for piece in product.pieces}
     checks = ((piece.mark, check) for piece in product.pieces for check in piece.checks)

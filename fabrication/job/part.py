@@ -12,7 +12,7 @@ from typing import Final
 from ddgfab.errors import DdgError
 from fabrication.checks.crossing import crossings
 from fabrication.checks.mesh import check_mesh
-from fabrication.formats.base import About, Format, Material, Part
+from fabrication.formats.base import Format, Material, Part, Provenance
 from fabrication.solids import realise, second_volume_of
 from fabrication.specs import Check, Family
 
@@ -29,7 +29,7 @@ class Shop:
 
     folder: Path
     formats: tuple[Format, ...]
-    about: About
+    about: Provenance
     chord: float
 
     def files(self, family: Family) -> list[tuple[Format, Path]]:

@@ -21,7 +21,7 @@ UNITS: Final = {"_deg": "deg", "_mm": "mm", "_percent": "%", "_kg": "kg", "_mm3"
 
 
 @dataclass(frozen=True)
-class Problem:
+class FailedCheck:
     """A check that failed on some parts.
 
     parts : (mark, value), the worst first
@@ -65,7 +65,7 @@ class Problem:
 
 def problems_of(
     roles: Mapping[str, Role], checks: Iterable[tuple[str, Check]]
-) -> tuple[Problem, ...]:
+) -> tuple[FailedCheck, ...]:
     """Failing checks gathered into problems, by role and name.
 
     Parameters
@@ -88,7 +88,7 @@ def problems_of(
         # Worst is farthest from the limit, whichever side of it is the wrong one.
         members.sort(key=lambda member: (-_excess(member[1]), member[0]))
         parts = tuple((mark, check.value) for mark, check in members)
-        problems.append(Problem(role, name, members[0][1].limit, parts))
+        problems.append(FailedCheck(role, name, members[0][1].limit, parts))
     return tuple(problems)
 
 

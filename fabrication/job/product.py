@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-from fabrication.formats.base import About, Format, Header, Material, Standing, Title
+from fabrication.formats.base import Format, Header, Material, Provenance, Standing, Title
 from fabrication.formats.registry import find
-from fabrication.job.problems import Problem
+from fabrication.job.problems import FailedCheck
 from fabrication.job.sources import Sources
 from fabrication.project.sections import OutputSettings, Verify
 from fabrication.specs import Check, Family, Mate, Piece, Role, TriangleMesh
@@ -101,12 +101,12 @@ class Product(ABC):
         """Remarks for people."""
         return ()
 
-    def about(self) -> About:
+    def about(self) -> Provenance:
         """What files state of their origin."""
         output = self.output
         author = output.author or self.title.author
         header = Header(author, output.organization, self.name)
-        return About(self.name, header, output.options, self.title, self.conventions)
+        return Provenance(self.name, header, output.options, self.title, self.conventions)
 
     def format(self, name: str) -> Format:
         """A format of [output] formats: of the registry, or of the product's own."""
@@ -116,7 +116,7 @@ class Product(ABC):
         """Checks of the whole that need no files."""
         return []
 
-    def remedies(self, problems: Sequence[Problem]) -> Sequence[tuple[str, str, Any]]:
+    def remedies(self, problems: Sequence[FailedCheck]) -> Sequence[tuple[str, str, Any]]:
         """(section, key, value) of settings that help where pieces are beyond limits."""
         return ()
 
@@ -130,7 +130,7 @@ class Product(ABC):
 
 
 @runtime_checkable
-class Design(Protocol):
+class HasProduct(Protocol):
     """What `make` takes besides a product: numbers of a structure that can be made."""
 
     def product(self) -> Product:

@@ -14,7 +14,7 @@ from fabrication.job.limits import check_limits
 from fabrication.job.names import folder_for
 from fabrication.job.part import Shop
 from fabrication.job.pool import Workers, worker_pool
-from fabrication.job.product import Design, Product
+from fabrication.job.product import HasProduct, Product
 from fabrication.job.result import JobResult
 from fabrication.job.steps import Steps
 from fabrication.progress import Progress, silent
@@ -40,7 +40,7 @@ def _product(design: Any) -> Product:
 
 
 def make(
-    design: Design | Product,
+    design: HasProduct | Product,
     folder: str | Path | None = None,
     *,
     jobs: int = 1,

@@ -24,7 +24,7 @@ from fabrication.job.manifest import (
 )
 from fabrication.job.part import PARTS, Made, Shop, make_parts, read_back
 from fabrication.job.pool import WorkerLostError, Workers
-from fabrication.job.problems import REJECTED, Problem, lines_of, problems_of, rejections
+from fabrication.job.problems import REJECTED, FailedCheck, lines_of, problems_of, rejections
 from fabrication.job.product import Product
 from fabrication.job.result import JobResult
 from fabrication.job.whole import PREVIEW, draw, write_whole
@@ -279,7 +279,7 @@ class Steps:
         failed: frozenset[str],
         checks: dict[str, list[Check]],
         extra: Sequence[Check],
-        problems: Sequence[Problem],
+        problems: Sequence[FailedCheck],
     ) -> dict[str, Any]:
         """What manifest.json says."""
         product = self.product

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.optimize import Change
-from fabrication.pictures.fields import SIZE, Panel, write_panels
+from fabrication.pictures.fields import SIZE, FieldPlot, write_panels
 from fabrication.specs import Color
 
 CREASE_DEG: Final = 10.0
@@ -28,11 +28,11 @@ def write_change(path: Path, change: Change, *, size: tuple[int, int] = SIZE) ->
         The file cannot be written, or this machine cannot render; says what to install.
     """
     creased = np.flatnonzero(np.degrees(change.creases) > CREASE_DEG)
-    result = Panel(
+    result = FieldPlot(
         change.after,
         change.from_surface,
         "distance [mm]",
         lines=creased,
         line_color=_CREASE_COLOR,
     )
-    write_panels(path, [Panel(change.before), result], size=size)
+    write_panels(path, [FieldPlot(change.before), result], size=size)

@@ -33,7 +33,7 @@ _WHOLE: Final = 100.0
 
 
 @dataclass(frozen=True, eq=False)
-class Panel:
+class FieldPlot:
     """A mesh of a picture.
 
     Attributes
@@ -56,7 +56,7 @@ class Panel:
     line_color: Color = (0.0, 0.0, 0.0)
 
 
-def write_panels(path: Path, panels: Sequence[Panel], *, size: tuple[int, int] = SIZE) -> None:
+def write_panels(path: Path, panels: Sequence[FieldPlot], *, size: tuple[int, int] = SIZE) -> None:
     """Render meshes side by side, all from the same side. Written atomically as PNG.
 
     Raises
@@ -77,7 +77,7 @@ def write_panels(path: Path, panels: Sequence[Panel], *, size: tuple[int, int] =
         temporary.write_bytes(picture)
 
 
-def _rendered(pyvista: Any, panels: Sequence[Panel], size: tuple[int, int]) -> bytes:
+def _rendered(pyvista: Any, panels: Sequence[FieldPlot], size: tuple[int, int]) -> bytes:
     plotter = pyvista.Plotter(
         off_screen=True, window_size=list(size), shape=(1, len(panels)), border=False
     )
@@ -98,7 +98,7 @@ def _rendered(pyvista: Any, panels: Sequence[Panel], size: tuple[int, int]) -> b
         plotter.close()
 
 
-def _add(pyvista: Any, plotter: Any, panel: Panel) -> None:
+def _add(pyvista: Any, plotter: Any, panel: FieldPlot) -> None:
     mesh = panel.mesh
     faces = np.insert(mesh.corners, mesh.face_start[:-1], mesh.face_sizes)
     surface = pyvista.PolyData(mesh.vertices.astype(np.float64), faces)
@@ -152,7 +152,7 @@ def _add(pyvista: Any, plotter: Any, panel: Panel) -> None:
             )
 
 
-def _span(panel: Panel) -> tuple[float, float]:
+def _span(panel: FieldPlot) -> tuple[float, float]:
     if panel.span is not None:
         return panel.span
     values = np.asarray(panel.values)[np.isfinite(np.asarray(panel.values))]

@@ -36,7 +36,7 @@ _SPOT: Final = 0.013  # radius of the small ring about the node, as a part of th
 
 
 @dataclass(frozen=True)
-class Layout:
+class SheetLayout:
     """Scale of the model, its shift [pixels], middle and radius of the ring [pixels]."""
 
     scale: float
@@ -105,7 +105,7 @@ def png(picture: Pixels) -> bytes:
     return stream.getvalue()
 
 
-def _layout(model: Pixels, whole: Pixels, size: tuple[int, int]) -> Layout:
+def _layout(model: Pixels, whole: Pixels, size: tuple[int, int]) -> SheetLayout:
     """The largest ring that fits in a corner, if need be beside a smaller model.
 
     With the model as large as it is, then smaller and away from the ring's corner; the shadow may
@@ -130,7 +130,7 @@ def _layout(model: Pixels, whole: Pixels, size: tuple[int, int]) -> Layout:
 
 def _candidates(
     start: tuple[float, float], extent: tuple[float, float], size: tuple[int, int]
-) -> Iterator[Layout]:
+) -> Iterator[SheetLayout]:
     """Layouts from the best to the last resort, given where the model with its shadow is."""
     width, height = size
     edge = _EDGE * height
@@ -150,10 +150,10 @@ def _candidates(
                 edge + space * (1 + (-away if taken else away)) / 2 - scale * first
                 for space, taken, first in zip(spare, (right, low), start, strict=True)
             )
-            yield Layout(scale, (x, y), middle, radius)
+            yield SheetLayout(scale, (x, y), middle, radius)
 
 
-def _moved(drawn: Image, size: tuple[int, int], layout: Layout) -> Image:
+def _moved(drawn: Image, size: tuple[int, int], layout: SheetLayout) -> Image:
     """The model smaller and elsewhere on white."""
     from PIL import Image as Images
 
@@ -165,7 +165,7 @@ def _moved(drawn: Image, size: tuple[int, int], layout: Layout) -> Image:
 
 
 def _with_ring(
-    sheet: Image, lens: Callable[[int], Pixels], layout: Layout, spot: tuple[float, float]
+    sheet: Image, lens: Callable[[int], Pixels], layout: SheetLayout, spot: tuple[float, float]
 ) -> Image:
     """The sheet with the close-up, a small ring about its node, and a line between them."""
     from PIL import Image as Images

@@ -34,13 +34,13 @@ def sound_files() -> dict[str, bytes]:
     from gridshell_kinds import KINDS
     from parts_table import FLAT, RHS, beam
 
-    from fabrication.formats.step import Material, Product, part_bytes
+    from fabrication.formats.step import Material, StepProduct, part_bytes
     from fabrication.solids import realise
 
     found = {}
     for name, shape in {"flat": beam(FLAT), "rhs": beam(RHS)}.items():
         made = realise(shape, 0.1, solid=False)
-        product = Product(
+        product = StepProduct(
             name, KINDS["beam"], None, made.properties, Material("S355", 7850.0), made.boundary
         )
         found[name] = part_bytes(product, f"{name}.step")

@@ -8,7 +8,7 @@ import pytest
 from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism, models
 from ddgfab.linkages.crab_rates import _second, _steepest, power
 from ddgfab.linkages.frames import angular_velocity
-from ddgfab.linkages.models import ORDER, Model, closing, product
+from ddgfab.linkages.taylor_models import ORDER, TaylorModel, closing, product
 from ddgfab.nets.knet.crab import crab_net
 from ddgfab.nets.knet.net import knet
 
@@ -96,7 +96,7 @@ def test_closing_angle_is_enclosed() -> None:
     terms = np.zeros((ORDER, 5))
     terms[:3] = rng.uniform(-1, 1, (3, 5))
     ratio = 0.6
-    model = closing(ratio, angle, Model(terms, np.zeros(5)), half)
+    model = closing(ratio, angle, TaylorModel(terms, np.zeros(5)), half)
     for turn in np.linspace(0, 2 * np.pi, 9):
         s = 2 * half * np.exp(1j * turn)
         powers = s[None] ** np.arange(1, ORDER + 1)[:, None]
@@ -120,7 +120,7 @@ def test_derivatives_of_the_rest_are_bounded(disc: float, monkeypatch: pytest.Mo
     monkeypatch.setattr(models, "DISC", disc)
     half, rest = 0.3, 0.7
     radius = disc * half
-    model = Model(np.zeros((ORDER, 1)), np.array([rest]))
+    model = TaylorModel(np.zeros((ORDER, 1)), np.array([rest]))
     first, second = (float(bound[0]) for bound in model.speeds(np.array([half])))
     step = 1e-4 * half
     steepest = np.zeros(2)
@@ -146,7 +146,7 @@ def test_polynomials_have_their_own_derivatives() -> None:
     """Without a rest, and all coefficients positive, the bounds are reached at the end."""
     rng = np.random.default_rng(5)
     terms, half = rng.uniform(0.1, 1.0, (ORDER, 3)), np.array([0.1, 0.5, 1.2])
-    first, second = Model(terms, np.zeros(3)).speeds(half)
+    first, second = TaylorModel(terms, np.zeros(3)).speeds(half)
     for k in range(3):
         polynomial = np.polynomial.Polynomial([0.0, *terms[:, k]])
         assert first[k] == pytest.approx(polynomial.deriv()(half[k]))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from gridshell_kinds import KINDS
 
-from fabrication.checks.overlaps import Body, overlaps
+from fabrication.checks.overlaps import ClosedMesh, overlaps
 from fabrication.formats.glb import write_glb
 from fabrication.formats.report import inspect_file
 from fabrication.formats.threemf import Body3MF, Item3MF, write_threemf
@@ -59,7 +59,7 @@ def test_random_structures_give_the_pairs_that_manifold3d_gives(seed: int) -> No
     # One is scaled and one is mirrored, as 3MF and GLB may have them.
     motions[3, :3, :3] *= 1.5
     motions[20, :3, :3] = motions[20, :3, :3] @ np.diag([1, 1, -1])
-    bodies = [Body(mesh_of(body), body.volume()) for body in BODIES]
+    bodies = [ClosedMesh(mesh_of(body), body.volume()) for body in BODIES]
     found = {o.pair: o.volume for o in overlaps(bodies, owner, motions, np.zeros(3))}
     placed = [BODIES[k].transform(m[:3]) for k, m in zip(owner, motions, strict=True)]
     expected = {}
@@ -73,7 +73,7 @@ def test_random_structures_give_the_pairs_that_manifold3d_gives(seed: int) -> No
 
 
 def test_what_touches_shares_nothing_and_the_least_overlap_is_found() -> None:
-    box = [Body(BOX, 1000.0)]
+    box = [ClosedMesh(BOX, 1000.0)]
     turn = random_motion(np.random.default_rng(1), 5000)
 
     def found(gap: float) -> int:
@@ -84,7 +84,7 @@ def test_what_touches_shares_nothing_and_the_least_overlap_is_found() -> None:
 
 
 def test_the_tolerances_of_both_bodies_add_up() -> None:
-    boxes = [Body(BOX, 1000.0), Body(BOX, 1000.0)]
+    boxes = [ClosedMesh(BOX, 1000.0), ClosedMesh(BOX, 1000.0)]
     tolerances = np.array([0.02, 0.03])
 
     def found(depth: float) -> list[float]:
@@ -96,7 +96,7 @@ def test_the_tolerances_of_both_bodies_add_up() -> None:
 
 
 def test_hundreds_of_placed_solids_take_little_time() -> None:
-    body = [Body(BOX, 1000.0)]
+    body = [ClosedMesh(BOX, 1000.0)]
     motions = np.array([at(10.0 * i, 10.0 * j, 0) for i in range(20) for j in range(30)])
     owner = np.zeros(len(motions), dtype=int)
     overlaps(body, owner[:2], motions[:2], np.zeros(1))
@@ -166,12 +166,12 @@ def test_a_step_assembly_is_sound_only_if_its_placed_solids_are(tmp_path: Path) 
     from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
     from OCP.TopoDS import TopoDS_Compound
 
-    from fabrication.formats.step import Product, write_assembly
+    from fabrication.formats.step import StepProduct, write_assembly
     from fabrication.specs import Properties
 
     box = BRepPrimAPI_MakeBox(10, 10, 10).Solid()
     bored = BRepAlgoAPI_Cut(box, BRepPrimAPI_MakeCylinder(3, 40).Shape()).Shape()
-    product = Product("NP-001", KINDS["node"], box, Properties(1000.0, 600.0, (5, 5, 5)))
+    product = StepProduct("NP-001", KINDS["node"], box, Properties(1000.0, 600.0, (5, 5, 5)))
     path = tmp_path / "a.step"
     for x, sound in ((10.0, True), (5.0, False)):
         marks = [("NP-001", "N-0000", np.eye(4)), ("NP-001", "N-0001", at(x, 0, 0))]

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from ddgfab.errors import DdgError, InputError, clipped, printable
 from ddgfab.io import write_obj
 from fabrication.cli import app
-from fabrication.cli.steps import Steps
+from fabrication.cli.steps import StepPrinter
 from fabrication.cli.terminal import Session
 
 ESCAPE, BIDI, NEXT_LINE = "\x1b[31m", "\u202e", "\x85"
@@ -185,7 +185,7 @@ def test_the_last_lines_name_the_files_to_open() -> None:
 
 # --- steps -------------------------------------------------------------------------------------
 def test_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    steps = Steps(timed=True)
+    steps = StepPrinter(timed=True)
     for step in ("parts", "parts", "read back", "parts"):
         steps(step, 1, 2)
     steps.close()
@@ -200,8 +200,8 @@ def test_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[str]) ->
 
 SHOWING = """
 import time
-from fabrication.cli.steps import Steps
-steps = Steps()
+from fabrication.cli.steps import StepPrinter
+steps = StepPrinter()
 steps("parts", 0, 4)
 for done in range(1, 5):
     time.sleep(0.15)

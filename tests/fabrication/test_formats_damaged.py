@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError
-from fabrication.formats.base import About, Header, Whole
+from fabrication.formats.base import Header, Provenance, Whole
 from fabrication.formats.csv import FORMAT as CSV
 from fabrication.formats.glb.read import read_glb
 from fabrication.formats.report import inspect_file
@@ -169,7 +169,9 @@ def test_a_3mf_that_unpacks_to_far_more_is_refused(
 @pytest.mark.parametrize("format", [CSV, XLSX], ids=["csv", "xlsx"])
 def test_damaged_schedules_fail_their_check(format: Any, damage: Any, tmp_path: Path) -> None:
     rows = [{"mark": "B-0001", "length_mm": 5.0}, {"mark": "B-0002", "length_mm": 6.0}]
-    whole = Whole(About("roof", Header("", "", "roof"), {}), {}, (), (), tables={"beams": rows})
+    whole = Whole(
+        Provenance("roof", Header("", "", "roof"), {}), {}, (), (), tables={"beams": rows}
+    )
     format.write_whole(tmp_path, whole)
     assert all(check.passed for check in format.check_whole(tmp_path, whole))
     for path in sorted((tmp_path / "schedules").iterdir()):

@@ -107,13 +107,13 @@ def test_other_files_and_missing_ones_are_named(tmp_path: Path) -> None:
 def test_step_files(tmp_path: Path) -> None:
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
 
-    from fabrication.formats.step import Product, write_assembly, write_part
+    from fabrication.formats.step import StepProduct, write_assembly, write_part
     from fabrication.specs import Properties
 
     solid = BRepPrimAPI_MakeBox(10, 20, 30).Solid()
     properties = Properties(6000.0, 2200.0, (5, 10, 15))
     path = tmp_path / "a.step"
-    write_part(path, Product("BP-001", BEAM, solid, properties))
+    write_part(path, StepProduct("BP-001", BEAM, solid, properties))
     report = inspect_file(path)
     assert report.passed
     assert (report.bodies[0].name, report.bodies[0].solids) == ("BP-001", 1)
@@ -122,7 +122,7 @@ def test_step_files(tmp_path: Path) -> None:
     shifted[0, 3] = 100
     write_assembly(
         tmp_path / "b.stp",
-        [Product("BP-001", BEAM, solid, properties)],
+        [StepProduct("BP-001", BEAM, solid, properties)],
         [("BP-001", "B-0000", np.eye(4)), ("BP-001", "B-0001", shifted)],
         name="two",
     )

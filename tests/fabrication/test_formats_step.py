@@ -15,7 +15,7 @@ import pytest
 from gridshell_kinds import KINDS
 
 from ddgfab.errors import KernelError, OutputError
-from fabrication.formats.step import Header, Material, Product, write_part
+from fabrication.formats.step import Header, Material, StepProduct, write_part
 from fabrication.formats.step import write_assembly as write
 from fabrication.formats.step.read import check_step_part, read_step
 from fabrication.formats.step.whole import check_step_assembly
@@ -67,9 +67,11 @@ INSTANCES = [
 ]
 
 
-def products() -> list[Product]:
+def products() -> list[StepProduct]:
     return [
-        Product(number, KINDS[role], box(*SIZES[number]), box_properties(*SIZES[number]), material)
+        StepProduct(
+            number, KINDS[role], box(*SIZES[number]), box_properties(*SIZES[number]), material
+        )
         for number, role, material in PRODUCTS
     ]
 
@@ -227,7 +229,9 @@ def test_build123d_opens_the_part_with_its_name(tmp_path: Path) -> None:
     import build123d
 
     size = (300.0, 40.0, 20.0)
-    write_part(tmp_path / "BP-007.step", Product("BP-007", BEAM, box(*size), box_properties(*size)))
+    write_part(
+        tmp_path / "BP-007.step", StepProduct("BP-007", BEAM, box(*size), box_properties(*size))
+    )
     shape = build123d.import_step(str(tmp_path / "BP-007.step"))
     assert shape.label == "BP-007"
     assert len(shape.solids()) == 1
@@ -240,7 +244,7 @@ def test_header_material_and_units_are_in_the_text(tmp_path: Path, monkeypatch: 
     size = SIZES["PP-001"]
     write_part(
         path,
-        Product("PP-001", PANEL, box(*size), box_properties(*size), material=GLASS),
+        StepProduct("PP-001", PANEL, box(*size), box_properties(*size), material=GLASS),
         header=HEADER,
     )
     text = re.sub(r"\s+", "", path.read_text("ascii"))
@@ -264,7 +268,7 @@ def test_ap242_is_written_when_asked_for_and_ap214_again_after_it(tmp_path: Path
     for schema, words in (("AP242", b"AP242"), ("AP214", b"AUTOMOTIVE_DESIGN")):
         path = tmp_path / f"{schema}.step"
         write_part(
-            path, Product("BP-001", BEAM, box(1, 2, 3), box_properties(1, 2, 3)), schema=schema
+            path, StepProduct("BP-001", BEAM, box(1, 2, 3), box_properties(1, 2, 3)), schema=schema
         )
         assert words in path.read_bytes().split(b"DATA;")[0]
 
@@ -293,7 +297,7 @@ def test_same_content_gives_the_same_bytes_twice_and_in_another_process(
 
 def test_the_check_of_a_part_file_fails_on_what_differs(tmp_path: Path) -> None:
     path = tmp_path / "BP-001.step"
-    write_part(path, Product("BP-001", BEAM, box(10, 20, 30), box_properties(10, 20, 30)))
+    write_part(path, StepProduct("BP-001", BEAM, box(10, 20, 30), box_properties(10, 20, 30)))
     assert all(c.passed for c in check_step_part(path, number="BP-001", volume=6000.0))
     wrong = check_step_part(path, number="BP-002", volume=6000.1)
     assert {c.name for c in wrong if not c.passed} == {"file name", "file volume"}

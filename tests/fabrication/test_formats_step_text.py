@@ -11,7 +11,7 @@ import pytest
 from gridshell_kinds import KINDS
 from parts_table import EXACT
 
-from fabrication.formats.step import Header, Material, Product
+from fabrication.formats.step import Header, Material, StepProduct
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
 from fabrication.formats.step.read import read_step
 from fabrication.formats.step.text import header_list, quoted
@@ -33,10 +33,10 @@ def shown(text: str) -> str:
     return "".join(out).replace("\0", " ")
 
 
-def product(number: str = "BP-001", material: str = "S355") -> Product:
+def product(number: str = "BP-001", material: str = "S355") -> StepProduct:
     shape = next(iter(EXACT.values()))[0]
     found = boundary_of(shape)
-    return Product(
+    return StepProduct(
         number, KINDS["beam"], None, properties_of(shape), Material(material, 7850.0), found
     )
 

@@ -18,7 +18,7 @@ from ddgfab.linkages import Mechanism, knet_mechanism
 from ddgfab.nets.knet import amsler
 from fabrication.checks.mesh import to_manifold
 from fabrication.families import families
-from fabrication.formats.base import About, Header, Material
+from fabrication.formats.base import Header, Material, Provenance
 from fabrication.formats.registry import find
 from fabrication.job.part import Shop, make_part, read_back
 from fabrication.linkage.detail import detail_linkage, touching_parts
@@ -271,7 +271,7 @@ def test_every_part_passes_every_check_of_solid_mesh_and_files(name: str, tmp_pa
     formats = (find("step"), find("stl"))
     for format in formats:
         (tmp_path / "parts" / format.name).mkdir(parents=True)
-    shop = Shop(tmp_path, formats, About("kit", Header()), 0.05)
+    shop = Shop(tmp_path, formats, Provenance("kit", Header()), 0.05)
     for family in KITS[name]().families:
         made = make_part(family, Material("PLA", 1240.0), shop)
         checks = (*made.checks, *read_back([made.part], shop)[0][family.number])

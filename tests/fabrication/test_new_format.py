@@ -16,7 +16,7 @@ from roofs import barrel
 
 from ddgfab.errors import InputError, ProjectError
 from fabrication.formats import registry
-from fabrication.formats.base import About, Format, Part, Whole
+from fabrication.formats.base import Format, Part, Provenance, Whole
 from fabrication.formats.report import FileReport, inspect_file
 from fabrication.formats.solids import mesh_report
 from fabrication.gridshell.design import Design, design
@@ -39,7 +39,7 @@ class Triangles(Format):
     options = {"comment": ("#", "%")}  # noqa: RUF012
     spoilt: str | None = None  # part number whose file is written without its last triangle
 
-    def write_part(self, path: Path, part: Part, about: About) -> None:
+    def write_part(self, path: Path, part: Part, about: Provenance) -> None:
         corners = part.mesh.vertices[part.mesh.triangles].reshape(-1, 9)
         if part.number == self.spoilt:
             corners = corners[:-1]

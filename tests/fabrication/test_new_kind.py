@@ -28,12 +28,12 @@ from fabrication.checks.solid import check_solid
 from fabrication.families import families
 from fabrication.formats.glb import glb_bytes
 from fabrication.formats.registry import defaults
-from fabrication.formats.step import Material, Product, assembly_bytes, part_bytes
+from fabrication.formats.step import Material, StepProduct, assembly_bytes, part_bytes
 from fabrication.formats.step.read import read_step
 from fabrication.formats.stl import stl_bytes
 from fabrication.formats.threemf import Body3MF, threemf_bytes
 from fabrication.job.problems import problems_of
-from fabrication.job.product import Product as JobProduct
+from fabrication.job.product import Product
 from fabrication.job.run import make
 from fabrication.parts.node import NODE, NodeShape
 from fabrication.project.sections import OutputSettings, Verify
@@ -209,7 +209,7 @@ def test_step_text_names_group_layer_and_color() -> None:
     for family in found:
         made = realise(family.shape, solid=False)
         products.append(
-            Product(family.number, family.kind, None, made.properties, STEEL, made.boundary)
+            StepProduct(family.number, family.kind, None, made.properties, STEEL, made.boundary)
         )
     alone = part_bytes(products[0], "GP-001.step").decode("ascii")
     assert alone.count("PRESENTATION_LAYER_ASSIGNMENT('GUSSETS'") == 1
@@ -273,11 +273,11 @@ def test_a_cut_is_made_by_the_kernel() -> None:
     volume, area = made.properties.volume, made.properties.area
     found = check_mesh(made.mesh, volume=volume, area=area, chord=0.05, genus=made.genus)
     assert [check.name for check in found if not check.passed] == []
-    with_solid = Product("GP-001", GUSSET, solid, made.properties, STEEL)
+    with_solid = StepProduct("GP-001", GUSSET, solid, made.properties, STEEL)
     assert b"'GUSSETS'" in part_bytes(with_solid, "GP-001.step")
 
 
-class Brackets(JobProduct):
+class Brackets(Product):
     """A product of its own: gussets and a node, 1 mm apart or more."""
 
     name = "brackets"

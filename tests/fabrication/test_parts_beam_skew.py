@@ -11,7 +11,7 @@ import pytest
 from parts_table import FLAT, FREE, HOLES, RHS, T_BAR, beam
 
 from ddgfab.errors import DetailError
-from fabrication.formats.base import About, Header, Material
+from fabrication.formats.base import Header, Material, Provenance
 from fabrication.formats.registry import find
 from fabrication.job.part import Shop, make_part, read_back
 from fabrication.parts.beam import BEAM, BeamShape, CrossHole, EndCut, fibre_ends
@@ -78,7 +78,7 @@ def test_part_passes_every_check_and_reads_back(name: str, tmp_path: Path) -> No
     formats = (find("step"), find("stl"))
     for format in formats:
         (tmp_path / "parts" / format.name).mkdir(parents=True)
-    shop = Shop(tmp_path, formats, About("skew", Header("", "", "skew")), 0.05)
+    shop = Shop(tmp_path, formats, Provenance("skew", Header("", "", "skew")), 0.05)
     family = Family("BP-001", BEAM, SHAPES[name], (), 0.0)
     made = make_part(family, Material("Steel", 7850.0), shop)
     assert [check for check in made.checks if not check.passed] == []

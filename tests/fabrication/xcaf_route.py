@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrication.formats.step.records import Product
+from fabrication.formats.step.records import StepProduct
 from fabrication.formats.step.text import encoded
 from fabrication.formats.step.xcaf import mute, new_document
 from fabrication.solids import solid_from
@@ -32,7 +32,7 @@ def location(placement: np.ndarray) -> Any:
 
 def write_by_xcaf(
     path: Path,
-    products: Sequence[Product],
+    products: Sequence[StepProduct],
     instances: Sequence[tuple[str, str, np.ndarray]],
     *,
     name: str,
@@ -77,7 +77,7 @@ def write_by_xcaf(
     assert writer.Write(str(path)) == IFSelect_ReturnStatus.IFSelect_RetDone
 
 
-def add_product(document: Any, product: Product) -> Any:
+def add_product(document: Any, product: StepProduct) -> Any:
     from OCP.gp import gp_Pnt
     from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
     from OCP.TCollection import TCollection_ExtendedString, TCollection_HAsciiString

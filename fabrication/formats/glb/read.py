@@ -35,7 +35,7 @@ _UNREADABLE: Final = (
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class GlbNode:
     """A node with a mesh: its name, the mesh [mm], where it stands."""
 
     name: str
@@ -53,7 +53,7 @@ class ContentGLB:
     """Meshes of a GLB with their names, z up; and the pieces that its nodes make of them."""
 
     meshes: tuple[tuple[str, TriangleMesh], ...]
-    pieces: tuple[Piece, ...]
+    pieces: tuple[GlbNode, ...]
 
 
 def read_glb(path: Path) -> ContentGLB:
@@ -127,7 +127,7 @@ def _array(document: dict[str, Any], binary: bytes, index: int, width: int) -> A
 
 def _pieces(
     document: dict[str, Any], meshes: list[TriangleMesh], scene: dict[str, Any]
-) -> list[Piece]:
+) -> list[GlbNode]:
     """The nodes of a scene that show a mesh, each node in one place (glTF 2.0, 3.5.1)."""
     pieces, seen = [], set[int]()
     left = [(index, np.eye(4)) for index in reversed(scene["nodes"])]
@@ -144,7 +144,7 @@ def _pieces(
         if "mesh" in node:
             if not 0 <= node["mesh"] < len(meshes):
                 raise ValueError(f"node {index} shows a mesh that is not there")
-            pieces.append(Piece(str(node.get("name", "")), meshes[node["mesh"]], at))
+            pieces.append(GlbNode(str(node.get("name", "")), meshes[node["mesh"]], at))
         left += [(child, at) for child in reversed(node.get("children", ()))]
     return pieces
 

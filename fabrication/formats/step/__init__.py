@@ -1,6 +1,6 @@
 """STEP files as manufacturers need them: named, colored, layered, with validation properties.
 
-Product = part number, component instance = piece mark. All is written as text
+StepProduct = part number, component instance = piece mark. All is written as text
 (`fabrication.formats.step.direct`); the kernel is asked only for the geometry of parts without an
 exact boundary.
 """
@@ -16,14 +16,14 @@ import numpy as np
 from ddgfab.io.atomic import atomic_write
 from fabrication.formats.base import Header, Material
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
-from fabrication.formats.step.records import Product, Schema, time_stamp
+from fabrication.formats.step.records import Schema, StepProduct, time_stamp
 from fabrication.specs import Placement
 
 __all__ = [
     "Header",
     "Material",
-    "Product",
     "Schema",
+    "StepProduct",
     "assembly_bytes",
     "location",
     "part_bytes",
@@ -34,7 +34,7 @@ __all__ = [
 
 
 def write_part(
-    path: Path, product: Product, *, header: Header | None = None, schema: Schema = "AP214"
+    path: Path, product: StepProduct, *, header: Header | None = None, schema: Schema = "AP214"
 ) -> None:
     """Write one part number as a STEP file (atomically); see `part_bytes`.
 
@@ -51,7 +51,7 @@ def write_part(
 
 def write_assembly(
     path: Path,
-    products: Sequence[Product],
+    products: Sequence[StepProduct],
     instances: Iterable[tuple[str, str, Placement]],
     *,
     name: str,

@@ -34,7 +34,7 @@ from fabrication.formats.step.entities import (
 )
 from fabrication.formats.step.geometry import LOCAL, BoundaryShell
 from fabrication.formats.step.kernel import KernelShell
-from fabrication.formats.step.records import Product, Schema, time_stamp
+from fabrication.formats.step.records import Schema, StepProduct, time_stamp
 from fabrication.formats.step.text import (
     STYLE_IDS,
     header_list,
@@ -54,7 +54,7 @@ _LIST_PER_LINE: Final = 12
 
 
 def part_bytes(
-    product: Product, file_name: str, *, header: Header | None = None, schema: Schema = "AP214"
+    product: StepProduct, file_name: str, *, header: Header | None = None, schema: Schema = "AP214"
 ) -> bytes:
     """One part number as a STEP file.
 
@@ -69,7 +69,7 @@ def part_bytes(
 
 
 def assembly_bytes(
-    products: Sequence[Product],
+    products: Sequence[StepProduct],
     instances: Iterable[tuple[str, str, Placement]],
     *,
     name: str,
@@ -133,7 +133,7 @@ class _Text:
     Ids: what is shared counts from 1; the local ids of product k follow the digits of k + some.
     """
 
-    def __init__(self, products: Sequence[Product]) -> None:
+    def __init__(self, products: Sequence[StepProduct]) -> None:
         self._parts: list[bytes] = []
         self.occurrences = 0
         self._following = FIRST_FREE
@@ -196,7 +196,7 @@ class _Text:
         whole = [(start + common).encode("ascii"), *self._parts, b"ENDSEC;\nEND-ISO-10303-21;\n"]
         return b"".join(whole)
 
-    def _materials(self, products: Sequence[Product]) -> dict[Material, tuple[str, str]]:
+    def _materials(self, products: Sequence[StepProduct]) -> dict[Material, tuple[str, str]]:
         """Ids of the representations of each material's name and density, by material."""
         found: dict[Material, tuple[str, str]] = {}
         for product in products:
@@ -215,7 +215,7 @@ class _Text:
             found[material] = (f"#{i}", f"#{i + 2}")
         return found
 
-    def _styles(self, products: Sequence[Product]) -> dict[Kind, str]:
+    def _styles(self, products: Sequence[StepProduct]) -> dict[Kind, str]:
         """Ids of the presentation styles, by kind."""
         found: dict[Kind, str] = {}
         for kind in dict.fromkeys(product.kind for product in products):
@@ -270,7 +270,7 @@ class _Unit:
         )
 
 
-def _shell_of(product: Product) -> BoundaryShell | KernelShell:
+def _shell_of(product: StepProduct) -> BoundaryShell | KernelShell:
     if product.boundary is not None:
         return BoundaryShell(product.boundary)
     if product.solid is None:
@@ -280,7 +280,7 @@ def _shell_of(product: Product) -> BoundaryShell | KernelShell:
 
 
 @contextmanager
-def _named(product: Product) -> Iterator[None]:
+def _named(product: StepProduct) -> Iterator[None]:
     """Errors begin with the part number."""
     try:
         yield
@@ -289,7 +289,7 @@ def _named(product: Product) -> Iterator[None]:
 
 
 def _product(
-    product: Product,
+    product: StepProduct,
     shell: BoundaryShell | KernelShell,
     prefix: str,
     width: int,

@@ -8,13 +8,13 @@ from typing import Final, cast, get_args
 
 from ddgfab.errors import InputError
 from fabrication.checks.solid import check_solid
-from fabrication.formats.base import About, Format, Part, Whole
+from fabrication.formats.base import Format, Part, Provenance, Whole
 from fabrication.formats.solids import SolidsReport
 from fabrication.formats.step.apart import apart
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
 from fabrication.formats.step.inspect import step_report
 from fabrication.formats.step.read import check_step_part
-from fabrication.formats.step.records import Product, Schema
+from fabrication.formats.step.records import Schema, StepProduct
 from fabrication.formats.step.whole import check_step_assembly
 from fabrication.specs import Check
 
@@ -22,7 +22,7 @@ ASSEMBLY: Final = "assembly.step"
 """Name of the file of the whole."""
 
 
-class Step(Format):
+class StepFormat(Format):
     """STEP: exact solids; written as text, read back by the CAD kernel."""
 
     name = "step"
@@ -33,7 +33,7 @@ class Step(Format):
     libraries = ("cadquery-ocp", "build123d", "cadquery")
     options = {"schema": get_args(Schema)}  # noqa: RUF012
 
-    def write_part(self, path: Path, part: Part, about: About) -> None:
+    def write_part(self, path: Path, part: Part, about: Provenance) -> None:
         """One product; see `part_bytes`."""
         schema = self._schema(about)
         data = part_bytes(_product(part), path.name, header=about.header, schema=schema)
@@ -85,7 +85,7 @@ class Step(Format):
         except InputError as error:
             return [Check("assembly readable", False, str(error))]
 
-    def _schema(self, about: About) -> Schema:
+    def _schema(self, about: Provenance) -> Schema:
         return cast(Schema, self.option(about, "schema"))
 
     def inspect(self, path: Path) -> SolidsReport:
@@ -101,9 +101,9 @@ def _check_part(path: Path, part: Part) -> list[Check]:
     ]
 
 
-def _product(part: Part) -> Product:
+def _product(part: Part) -> StepProduct:
     solid = part.solid if part.boundary is None else None
-    return Product(part.number, part.kind, solid, part.properties, part.material, part.boundary)
+    return StepProduct(part.number, part.kind, solid, part.properties, part.material, part.boundary)
 
 
-FORMAT: Final = Step()
+FORMAT: Final = StepFormat()

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fabrication.checks.overlaps import ROUNDING_MM, covered
-from fabrication.checks.overlaps import Body as Solid
+from fabrication.checks.overlaps import ROUNDING_MM, ClosedMesh, covered
 from fabrication.checks.shells import Shells, examine_shells
-from fabrication.formats.solids import Body, SolidsReport, interference, solids_report
+from fabrication.formats.solids import BodyReport, SolidsReport, interference, solids_report
 from fabrication.formats.step.faceted import FacetedSolid
 from fabrication.formats.step.read import StepContent, StepProduct, read_step
 from fabrication.specs import Placement
@@ -21,8 +20,8 @@ from fabrication.specs import Placement
 class _Examined:
     """A product as a body of the report, and its solids; None for one that is not sound."""
 
-    body: Body
-    solids: tuple[Solid | None, ...]
+    body: BodyReport
+    solids: tuple[ClosedMesh | None, ...]
 
 
 def step_report(path: Path) -> SolidsReport:
@@ -88,7 +87,9 @@ def _examined(product: StepProduct, instances: int) -> _Examined:
                 problems += [at + text for text in found.problems]
             volume += found.union - float(found.volumes.sum())
         sound = found is not None and not found.problems
-        solids.append(Solid(found.mesh, found.union, product.name) if found and sound else None)
+        solids.append(
+            ClosedMesh(found.mesh, found.union, product.name) if found and sound else None
+        )
     if several:
         placed = [(k, f"solid {k + 1}", np.eye(4)) for k in range(len(solids))]
         shared = interference(solids, placed, [solid.chord for solid in product.solids])
@@ -96,7 +97,7 @@ def _examined(product: StepProduct, instances: int) -> _Examined:
         if shared:
             known = [solid for solid in solids if solid is not None]
             volume += covered(known) - sum(solid.volume for solid in known)
-    body = Body(
+    body = BodyReport(
         product.name, instances, report.solids, None, volume, tuple(problems), shells, cavities
     )
     return _Examined(body, tuple(solids))

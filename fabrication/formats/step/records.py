@@ -15,7 +15,7 @@ Schema = Literal["AP214", "AP242"]
 
 
 @dataclass(frozen=True, eq=False)
-class Product:
+class StepProduct:
     """A part number: its kind, geometry in its own frame, properties and material.
 
     The geometry is the exact boundary where there is one (much faster to write); only where there

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-from fabrication.formats.base import About, Format, Part, Standing, Whole
+from fabrication.formats.base import Format, Part, Provenance, Standing, Whole
 from fabrication.formats.solids import SolidsReport, mesh_report
 from fabrication.formats.threemf.read import Content3MF, check_threemf, read_threemf
 from fabrication.formats.threemf.write import Body3MF, Item3MF, threemf_bytes, write_threemf
@@ -46,7 +46,7 @@ class ThreeMF(Format):
     needs_to_check = {"lib3mf": "lib3mf"}  # noqa: RUF012
     libraries = ("lib3mf",)
 
-    def write_part(self, path: Path, part: Part, about: About) -> None:
+    def write_part(self, path: Path, part: Part, about: Provenance) -> None:
         """One object."""
         body = Body3MF(part.number, part.mesh, part.kind.color)
         path.write_bytes(threemf_bytes([body], title=part.number))

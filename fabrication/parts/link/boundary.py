@@ -14,8 +14,8 @@ from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Vec
 from fabrication.parts.link.frame import (
     PARALLEL,
+    BarFrame,
     Eye,
-    Frame,
     bar_sides,
     corner_points,
     eye_angle,
@@ -164,7 +164,7 @@ def _check_eye(eye: Eye, corners: list[Vec], high: float) -> None:
 
 
 def _label(
-    builder: BoundaryBuilder, shape: LinkShape, eyes: tuple[Eye, Eye], frame: Frame
+    builder: BoundaryBuilder, shape: LinkShape, eyes: tuple[Eye, Eye], frame: BarFrame
 ) -> list[Coedges]:
     """Write the label on the upper side of the bar; the loops that it gets as holes."""
     label = shape.label

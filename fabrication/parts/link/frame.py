@@ -52,7 +52,7 @@ class Eye:
 
 
 @dataclass(frozen=True)
-class Frame:
+class BarFrame:
     """Where the bar leaves the first eye, and unit vectors along it, across it and up."""
 
     origin: Vec
@@ -77,7 +77,7 @@ def eyes_of(shape: LinkShape) -> tuple[Eye, Eye]:
     return eyes[0], eyes[1]
 
 
-def bar_frame(shape: LinkShape, eyes: tuple[Eye, Eye], roll: float = 0.0) -> Frame:
+def bar_frame(shape: LinkShape, eyes: tuple[Eye, Eye], roll: float = 0.0) -> BarFrame:
     """Frame of the bar; its height stands along the mean of the axes, turned by `roll`."""
     origin = eyes[0].exit
     along = normalized(add(eyes[1].exit, origin, -1.0))
@@ -85,7 +85,7 @@ def bar_frame(shape: LinkShape, eyes: tuple[Eye, Eye], roll: float = 0.0) -> Fra
     up = normalized(add(mean, along, -dot(mean, along)))
     across = cross(up, along)
     c, s = math.cos(roll), math.sin(roll)
-    return Frame(origin, along, add(scale(across, c), up, s), add(scale(up, c), across, -s))
+    return BarFrame(origin, along, add(scale(across, c), up, s), add(scale(up, c), across, -s))
 
 
 def section_of(shape: LinkShape) -> list[tuple[float, float]]:
@@ -112,7 +112,7 @@ def bar_radius(shape: LinkShape) -> float:
     return max(*corners, math.hypot(half, shape.bar_height / 2.0 + raised))
 
 
-def bar_sides(shape: LinkShape, eyes: tuple[Eye, Eye]) -> tuple[Frame, list[Vec]]:
+def bar_sides(shape: LinkShape, eyes: tuple[Eye, Eye]) -> tuple[BarFrame, list[Vec]]:
     """The bar's frame and the outward normals of its sides.
 
     None of them is almost parallel to the axis of an eye.
@@ -142,7 +142,7 @@ def meet(eye: Eye, foot: Vec, along: Vec, sign: float) -> Vec:
     return add(foot, along, (sign * math.sqrt(root) - b) / a)
 
 
-def corner_points(shape: LinkShape, eyes: tuple[Eye, Eye], frame: Frame) -> list[list[Vec]]:
+def corner_points(shape: LinkShape, eyes: tuple[Eye, Eye], frame: BarFrame) -> list[list[Vec]]:
     """Where the edges of the bar meet the start's and the end's eye, in order of the section."""
     feet = [add(add(frame.origin, frame.across, y), frame.up, z) for y, z in section_of(shape)]
     return [
@@ -171,7 +171,7 @@ def eye_angle(eye: Eye, point: Vec) -> float:
 
 
 def label_place(
-    shape: LinkShape, eyes: tuple[Eye, Eye], frame: Frame, raised: float
+    shape: LinkShape, eyes: tuple[Eye, Eye], frame: BarFrame, raised: float
 ) -> tuple[Vec, float]:
     """Middle of the upper side of the bar, and how much of its length [mm] the eyes leave free.
 
@@ -208,7 +208,7 @@ def label_room(shape: LinkShape, raised: float = 0.0) -> tuple[float, float]:
     return length - margin, shape.bar_width - 2.0 * shape.bevel - margin
 
 
-def reading(label: Label, frame: Frame) -> tuple[Vec, Vec]:
+def reading(label: Label, frame: BarFrame) -> tuple[Vec, Vec]:
     """Directions of a label to the right and up."""
     if label.stacked:
         return scale(frame.across, -1.0), frame.along

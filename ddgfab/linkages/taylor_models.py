@@ -29,7 +29,7 @@ TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class TaylorModel:
     """Deviation of an angle from its value at the middle of T intervals.
 
     terms : (ORDER, T) coefficients of s, s^2, ...
@@ -40,21 +40,21 @@ class Model:
     rest: Floats
 
     @staticmethod
-    def linear(rate: float, count: int) -> Model:
+    def linear(rate: float, count: int) -> TaylorModel:
         """rate * s, exactly."""
         terms = np.zeros((ORDER, count))
         terms[0] = rate
-        return Model(terms, np.zeros(count))
+        return TaylorModel(terms, np.zeros(count))
 
-    def __add__(self, other: Model) -> Model:
-        return Model(self.terms + other.terms, self.rest + other.rest)
+    def __add__(self, other: TaylorModel) -> TaylorModel:
+        return TaylorModel(self.terms + other.terms, self.rest + other.rest)
 
-    def __sub__(self, other: Model) -> Model:
-        return Model(self.terms - other.terms, self.rest + other.rest)
+    def __sub__(self, other: TaylorModel) -> TaylorModel:
+        return TaylorModel(self.terms - other.terms, self.rest + other.rest)
 
-    def scaled(self, factor: float) -> Model:
+    def scaled(self, factor: float) -> TaylorModel:
         """The model times a number."""
-        return Model(factor * self.terms, abs(factor) * self.rest)
+        return TaylorModel(factor * self.terms, abs(factor) * self.rest)
 
     def speeds(self, half: Floats) -> tuple[Floats, Floats]:
         """(T,) bounds of the first and second derivative on the real interval |s| <= half."""
@@ -74,7 +74,7 @@ def product(a: Floats, b: Floats) -> Floats:
     return out
 
 
-def compose(series: Floats, inner: Model) -> Floats:
+def compose(series: Floats, inner: TaylorModel) -> Floats:
     """(ORDER, T) coefficients 1, 2, ... of f(p(s)); series (ORDER + 1, T) are those of f."""
     p = np.concatenate([np.zeros((1, inner.terms.shape[1])), inner.terms])
     out = np.zeros_like(p)
@@ -84,13 +84,13 @@ def compose(series: Floats, inner: Model) -> Floats:
     return out[1:]
 
 
-def reach(inner: Model, radius: Floats) -> Floats:
+def reach(inner: TaylorModel, radius: Floats) -> Floats:
     """(T,) bound of |p(s)| on |s| <= radius."""
     j = np.arange(1, ORDER + 1)[:, None]
     return np.asarray((np.abs(inner.terms) * radius**j).sum(axis=0))
 
 
-def closing(ratio: float, angle: Floats, inner: Model, half: Floats) -> Model:
+def closing(ratio: float, angle: Floats, inner: TaylorModel, half: Floats) -> TaylorModel:
     """The other angle of an isogram, psi = 2 atan(C / tan(phi / 2)), after phi moves.
 
     Parameters
@@ -110,7 +110,7 @@ def closing(ratio: float, angle: Floats, inner: Model, half: Floats) -> Model:
         wide = reach(inner, factor * DISC * half)
         size = _steepest(ratio, angle, wide) * np.maximum(wide, TINY)
         tail = np.minimum(tail, size * factor ** -(ORDER + 1) / (1.0 - 1.0 / factor))
-    return Model(compose(_closing_series(ratio, angle), inner), rest + tail)
+    return TaylorModel(compose(_closing_series(ratio, angle), inner), rest + tail)
 
 
 def _steepest(ratio: float, angle: Floats, around: Floats) -> Floats:
