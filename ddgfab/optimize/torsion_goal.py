@@ -32,7 +32,7 @@ from ddgfab.support.structure import SupportStructure
 from ddgfab.support.triangles import refuse_triangles
 from ddgfab.tolerances import LEAN_LIMIT_DEG, RELATIVE_DEGENERATE
 
-LEANS: Final[tuple[float, ...]] = (12.0, 22.0, 30.0)
+LEANS_DEG: Final[tuple[float, ...]] = (12.0, 22.0, 30.0)
 """Limits of lean [deg] that are tried in turn where none is given, until the mesh stays within the
 limits of distance: the less axes lean, the further the mesh has to go."""
 
@@ -89,7 +89,7 @@ class TorsionFreeResult(OptimizeResult):
 
 
 def torsion_free(*, max_lean: float | None = None, axes_only: bool = False) -> tuple[NetGoal, ...]:
-    """The goal, with one limit of lean or those of `LEANS`.
+    """The goal, with one limit of lean or those of `LEANS_DEG`.
 
     Measured on a roof of 1,121 vertices: axes lean by 10.7 deg at most (6.4 on average), 0.04 mean
     edges from the surface on average; with vertices fixed by 29 deg, faces not planar. About 25
@@ -110,7 +110,7 @@ def torsion_free(*, max_lean: float | None = None, axes_only: bool = False) -> t
     if axes_only:
         widest = np.pi / 2 if max_lean is None else max_lean
         return (_with_limit(widest, axes_only=True),)
-    leans = np.radians(LEANS).tolist() if max_lean is None else [max_lean]
+    leans = np.radians(LEANS_DEG).tolist() if max_lean is None else [max_lean]
     return tuple(_with_limit(lean) for lean in leans)
 
 

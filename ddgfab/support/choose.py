@@ -170,7 +170,11 @@ def _exact(mesh: Mesh, kind: str) -> SupportStructure:
         return structure
     near = torsion_free_axes(mesh, target=axes, throw=False)
     return SupportStructure.of(
-        mesh, near.axes, kind, status=near.status, history=structure.history + near.history
+        mesh,
+        near.axes,
+        kind,
+        status=near.status,
+        history_deg=structure.history_deg + near.history_deg,
     )
 
 

@@ -196,7 +196,7 @@ def torsion_free_axes(
         np.where(used[:, None], axes, 0.0),
         "optimize",
         status="converged" if good else "stopped",
-        history=tuple(history),
+        history_deg=tuple(history),
     )
     if throw and not good:
         raise _failure(result)
@@ -244,8 +244,8 @@ def _failure(result: SupportStructure) -> SupportError:
         f"{i} ({np.degrees(result.torsion[i]):.2g} deg)" for i in result.worst_edges(3)
     )
     return SupportError(
-        f"no torsion-free axes found in {len(result.history)} steps: torsion stays at "
-        f"{result.history[-1]:.2g} deg (limit {TORSION_EXACT_DEG:g}); worst edges {names}\n"
+        f"no torsion-free axes found in {len(result.history_deg)} steps: torsion stays at "
+        f"{result.history_deg[-1]:.2g} deg (limit {TORSION_EXACT_DEG:g}); worst edges {names}\n"
         "the mesh allows none near its vertex normals: optimize the vertices, or cut the mesh "
         "open where it closes up"
     )

@@ -29,14 +29,14 @@ class SupportStructure:
     axes : (V, 3) unit node axes a(v), on the side of the vertex normals
     kind : how it was made: "offset", "normal", "axis", "edge", "optimize", "central", ..., "given"
     status : "exact" (a closed construction), "converged", or "stopped" (a solver that gave up)
-    history : greatest torsion [deg] after each step of the construction; the last is the result's
+    history_deg : greatest torsion after each step of the construction; the last is the result's
     """
 
     mesh: Mesh
     axes: Floats
     kind: str
     status: str
-    history: tuple[float, ...]
+    history_deg: tuple[float, ...]
 
     @staticmethod
     @checked
@@ -46,7 +46,7 @@ class SupportStructure:
         kind: str = "given",
         *,
         status: str = "exact",
-        history: tuple[float, ...] = (),
+        history_deg: tuple[float, ...] = (),
     ) -> SupportStructure:
         """Structure of (V, 3) axes of any length other than zero.
 
@@ -64,9 +64,9 @@ class SupportStructure:
             raise SupportError(f"the node axis of vertex {bad[0]} is {given[bad[0]].tolist()}")
         normalised = unit(given)
         normalised.setflags(write=False)
-        if not history:
-            history = (float(np.degrees(torsion(mesh, normalised).max())),)
-        return SupportStructure(mesh, normalised, kind, status, history)
+        if not history_deg:
+            history_deg = (float(np.degrees(torsion(mesh, normalised).max())),)
+        return SupportStructure(mesh, normalised, kind, status, history_deg)
 
     @cached_property
     def torsion(self) -> Floats:
@@ -154,7 +154,7 @@ class SupportStructure:
         return {
             "kind": self.kind,
             "status": self.status,
-            "steps": len(self.history),
+            "steps": len(self.history_deg),
             "torsion_free": self.torsion_free,
             "torsion_deg_max": self.torsion_deg_max,
             "torsion_deg_mean": self.torsion_deg_mean,

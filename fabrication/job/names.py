@@ -19,7 +19,7 @@ _RESERVED: Final = re.compile(
 _LONGEST: Final = 180
 """Bytes of a name; file systems have 255, and hidden names beside it are longer."""
 _LONGEST_PATH: Final = 259
-"""Characters of a path that Windows takes unless it was told to take longer ones."""
+"""Characters of a path that Windows takes unless long paths are enabled."""
 _INSIDE: Final = 90
 """Characters of the longest path below an output folder, in its working folder."""
 _FORBIDDEN: Final = re.compile(r'[<>:"|?*\x00-\x1f]')

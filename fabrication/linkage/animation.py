@@ -65,7 +65,7 @@ class Gif(Format):
         """Read back: endless, with a picture a pose there and back; equal ones may be one."""
         from PIL import Image
 
-        there = len(chosen(len(self.scene.values)))
+        there = len(chosen(len(self.scene.values_deg)))
         with Image.open(folder / ANIMATION) as picture:
             found, endless = getattr(picture, "n_frames", 1), picture.info.get("loop") == 0
         most = max(1, 2 * there - 2)
@@ -107,7 +107,7 @@ def chosen(count: int) -> NDArray[np.int64]:
 
 def _frames(pyvista: Any, scene: MovingScene, size: tuple[int, int]) -> list[NDArray[np.uint8]]:
     """A picture (height, width, 3) for each pose that is drawn."""
-    poses = chosen(len(scene.values))
+    poses = chosen(len(scene.values_deg))
     view = camera(np.concatenate(_all_points(scene, poses)), size)
     fine = [side * _SAMPLES for side in size]
     plotter = pyvista.Plotter(off_screen=True, window_size=fine, lighting="light kit")

@@ -66,7 +66,7 @@ class MovingScene:
     bodies : meshes [mm], each once
     pieces : what moves
     motions : (T, n, 4, 4) placements of the n pieces in T poses
-    driver : name of the parameter, and its values [deg] (T,)
+    driver, values_deg : name of the parameter, and its values (T,)
     design : position of the design pose among the poses
     """
 
@@ -75,7 +75,7 @@ class MovingScene:
     pieces: Sequence[MovingPiece]
     motions: Floats
     driver: str
-    values: Floats
+    values_deg: Floats
     design: int
     touches: Sequence[ContactNote] = ()
 
@@ -188,7 +188,7 @@ def _scene(scene: MovingScene) -> dict[str, Any]:
         ],
         "motions": _base64(scene.motions[:, :, :3].astype("<f4")),
         "driver": scene.driver,
-        "values": np.round(scene.values, 4).tolist(),
+        "values": np.round(scene.values_deg, 4).tolist(),
         "design": scene.design,
         "start": scene.design,
         "range": _range(scene).tolist(),

@@ -66,7 +66,7 @@ def moving_scene(kit: Kit) -> MovingScene:
         pieces=pieces,
         motions=np.stack(placed, axis=1),
         driver="driving angle",
-        values=np.degrees(angles),
+        values_deg=np.degrees(angles),
         design=design,
         touches=[_touch(contact, angles, still) for contact in kit.motion.contacts],
     )

@@ -204,7 +204,7 @@ def test_fixed_vertices_stay() -> None:
 
 def test_limits_are_tried_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     """What less lean would have cost is told where the first limit is out of reach."""
-    monkeypatch.setattr(torsion_goal, "LEANS", (0.5, 30.0))
+    monkeypatch.setattr(torsion_goal, "LEANS_DEG", (0.5, 30.0))
     result = torsion_free(hull(8, 6))
     check(result, 30.0)
     assert [trial.met for trial in result.tried] == [False, True]

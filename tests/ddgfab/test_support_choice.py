@@ -56,7 +56,7 @@ def test_nearly_conical_net_is_moved_onto_torsion_zero(mesh_file: Callable[[str]
     mesh = read_mesh(mesh_file("conical1.obj")).mesh
     structure = support_structure(mesh, "axis")
     assert structure.torsion_deg_max < 1e-9
-    assert structure.history[0] > 1e-5  # what the cones alone left
+    assert structure.history_deg[0] > 1e-5  # what the cones alone left
     assert np.degrees(np.arccos(np.sum(structure.axes * cone_axes(mesh), axis=1)).max()) < 0.1
 
 

@@ -123,7 +123,7 @@ def test_published_meshes(
     assert np.degrees(torsion(mesh, structure.axes).max()) < 1e-9
     assert np.degrees(lean(mesh, structure.axes).max()) < 1.02 * greatest + 0.05
     assert np.degrees(lean(mesh, structure.axes).mean()) < 1.02 * mean
-    assert len(structure.history) <= 12
+    assert len(structure.history_deg) <= 12
     assert structure.status == "converged"
 
 
@@ -167,7 +167,7 @@ def test_closed_mesh_with_dependent_conditions() -> None:
     stopped = torsion_free_axes(shaken, throw=False)
     assert stopped.status == "stopped"
     assert f"{stopped.worst_edges(1)[0]} (" in str(caught.value)
-    assert len(stopped.history) == AxesOptions().max_steps
+    assert len(stopped.history_deg) == AxesOptions().max_steps
 
 
 def test_weights_pull() -> None:
@@ -189,7 +189,7 @@ def test_even_lean_lowers_the_greatest(mesh_file: Callable[[str], Path]) -> None
 
 def test_steps_do_not_grow_with_the_mesh() -> None:
     """So time follows that of one sparse solve (near-linear: benchmarks)."""
-    counts = [len(torsion_free_axes(rough_grid(n, n, noise=0.01)).history) for n in (6, 12, 24)]
+    counts = [len(torsion_free_axes(rough_grid(n, n, noise=0.01)).history_deg) for n in (6, 12, 24)]
     assert max(counts) <= 10
 
 
@@ -210,7 +210,7 @@ def test_the_line_search_keeps_to_the_nearest_structure() -> None:
 def test_axes_free_of_torsion_count_though_a_finer_aim_is_not_reached() -> None:
     options = AxesOptions(torsion_deg=1e-30, max_steps=12)
     found = torsion_free_axes(rough_grid(4, 4), options=options)
-    assert len(found.history) == 12
+    assert len(found.history_deg) == 12
     assert (found.status, found.torsion_free) == ("converged", True)
 
 
@@ -232,9 +232,9 @@ def test_a_solve_that_breaks_down_leaves_the_axes_before_it(
     found = torsion_free_axes(mesh, options=options, throw=False)
     assert len(calls) == last
     assert found.status == "stopped"
-    assert len(found.history) == max(1, last - 1)
+    assert len(found.history_deg) == max(1, last - 1)
     if last > 1:
-        assert found.history == whole.history[: last - 1]
+        assert found.history_deg == whole.history_deg[: last - 1]
     else:
         assert np.abs(found.axes - mesh.vertex_normals).max() < 1e-15
     calls.clear()

@@ -21,6 +21,7 @@ from fabrication.families import families
 from fabrication.formats.step.whole import check_step_assembly
 from fabrication.gridshell.bolt_lists import bolt_rows, fastener_rows, mates_of, mounted_pairs
 from fabrication.gridshell.design import design
+from fabrication.gridshell.detailing.connections.stud import CORNER
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.job.run import make
 from fabrication.solids import mesh_of
@@ -150,6 +151,38 @@ def test_the_advice_works() -> None:
         bolted(dome(), beam={"profile": "FL 80x12"})
     bar = str(caught.value).split('profile = "')[1].split('"')[0]
     bolted(dome(), beam={"profile": bar})
+
+
+def test_the_advised_bar_is_not_larger_than_need_be() -> None:
+    """Four fifths of its depth do not do; from steep cuts too, where the opening shifts."""
+    steep = central(grid(2, 2), (0.0, 0.0, -4000.0))
+    for case in (dome(), steep):
+        with pytest.raises(DetailError) as caught:
+            bolted(case, beam={"profile": "FL 60x40"})
+        deep, wide = str(caught.value).split('profile = "FL ')[1].split('"')[0].split("x")
+        bolted(case, beam={"profile": f"FL {deep}x{max(float(wide), 40.0):g}"})
+        with pytest.raises(DetailError, match=r"deep|opening"):
+            bolted(case, beam={"profile": f"FL {0.8 * float(deep):.0f}x40"})
+
+
+def test_what_a_stud_takes_of_a_beam() -> None:
+    """Plate, opening and corner along the axis; seen along the beam, more by its slope.
+
+    The opening is as high as a wrench w, so a cut of slope s moves its far end by w s.
+    """
+    flat = bolted(vertical(grid(2, 2))).joined
+    assert flat.end is not None
+    along = flat.end.plate + flat.end.length + CORNER
+    assert flat.end_length == pytest.approx(along, abs=1e-9)
+    case = central(grid(2, 2), (1500.0, 1500.0, -6000.0))
+    shell = bolted(case)
+    slope = max(
+        abs(cut.slope) for beam in shell.beams for cut in (beam.shape.start, beam.shape.end)
+    )
+    wrench = fastener("M12").wrench
+    taken = along * math.hypot(1.0, slope) + wrench * slope
+    assert slope > 0.1
+    assert shell.joined.end_length == pytest.approx(taken, rel=1e-9)
 
 
 def test_twisted_beams_with_compound_cuts_are_refused() -> None:

@@ -77,6 +77,9 @@ def test_distances_of_bolts_and_edges() -> None:
     bolt, *_, nut = shell.joined.mounted
     assert bolt.at + bolt.shape.length >= nut.at + nut.shape.length + 1.75  # a pitch beyond
     assert bolt.shape.designation == "ISO 4014 M12x60"
+    # between head and nut: the bar, 40, and two washers; the rest of the bolt is beside the nut
+    assert shell.joined.grip == 40.0 + 2 * 2.5
+    assert tongue.nut == (12.0, 60.0 - 20.0 - 2.5)
 
 
 def test_nuts_of_neighbours_keep_apart() -> None:

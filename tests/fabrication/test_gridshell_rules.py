@@ -80,6 +80,8 @@ def test_a_rule_for_all_edges_is_that_profile_for_all() -> None:
     ("rules", "words"),
     [
         ([{"where": [99], "profile": WIDE}], ["rule 1 selects edge 99", "0 to 11"]),
+        ([{"where": [12], "profile": WIDE}], ["rule 1 selects edge 12", "0 to 11"]),
+        ([{"where": [3, -1], "profile": WIDE}], ["rule 1 selects edge -1", "0 to 11"]),
         ([{"where": [], "profile": WIDE}], ["rule 1 (where = []) selects no beam"]),
         (
             [{"where": "boundary", "profile": WIDE}, {"where": [0], "profile": "FL 80x20"}],

@@ -48,7 +48,7 @@ def scene() -> MovingScene:
         pieces=[MovingPiece(0, n % 2, f"L-{n:04d}") for n in range(PIECES)],
         motions=motions,
         driver="driving angle",
-        values=values,
+        values_deg=values,
         design=12,
         touches=[ContactNote(0, np.array([100.0, 0, 5]), "L-0000 meets L-0002")],
     )
