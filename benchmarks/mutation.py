@@ -40,7 +40,7 @@ ROOMS = {
             *("test_new_kind", "test_new_format"),
             *(
                 f"test_job_{name}"
-                for name in ("folder", "limits", "lock", "names", "others", "problems")
+                for name in ("folder", "limits", "lock", "names", "others", "place", "problems")
             ),
             *("test_job_run", "test_job_sources"),
         ],

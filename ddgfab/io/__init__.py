@@ -187,8 +187,9 @@ def read_mesh(
     if suffix_of(path) in (".obj", ".off") and not data.endswith((b"\n", b"\r", b"\n\0")):
         notes.append("the last line has no line break: if the file was cut off, look there")
     counts = len(raw.points), len(raw.sizes)
-    origins = raw.units, origin, axes, repaired.groups
-    return ReadResult(mesh, tuple(notes), str(path), digest, *counts, *origins)
+    return ReadResult(
+        mesh, tuple(notes), str(path), digest, *counts, raw.units, origin, axes, repaired.groups
+    )
 
 
 def _placed(raw: RawMesh, scale: float, up: str) -> tuple[RawMesh, Floats]:

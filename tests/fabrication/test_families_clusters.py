@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ddgfab.mesh import Floats
-from fabrication.families import cluster
+from fabrication.families import _alone, cluster
+from fabrication.variants import key_of
 
 
 def test_clustering_agrees_with_all_pairs() -> None:
@@ -35,6 +36,22 @@ def test_growth_is_nearly_linear() -> None:
     few = min(seconds(2000) for _ in range(3))
     many = min(seconds(16000) for _ in range(2))
     assert many < 8 * 4 * few  # linear would be 8 times, quadratic 64 times
+
+
+def test_pieces_far_from_all_others_are_known_before_the_search() -> None:
+    """Two that one variant brings together are not; all others need no search."""
+    places = 10.0 * np.arange(5.0)
+    features = np.stack([places, places], axis=1)[:, :, None]
+    features[3, 1] = places[1]  # turned round, the fourth is like the second
+    assert _alone(features, 0.1).tolist() == [True, True, True, False, True]
+    features[4] = features[0] + 0.01  # in the cell of the first
+    assert _alone(features, 0.1).tolist() == [False, True, True, False, False]
+
+
+def test_a_dimension_that_is_not_there_equals_none_that_is() -> None:
+    assert key_of(None) not in {key_of(0.0), key_of(1.0)}
+    assert key_of(None) < 0  # lengths and angles in keys are not
+    assert key_of(1.0 + 1e-9) == key_of(1.0)
 
 
 def greedy(points: Floats, tolerance: float) -> tuple[list[int], list[float]]:
