@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism, models
+from ddgfab.linkages import Mechanism, bennett, crab_mechanism, cube, knet_mechanism, taylor_models
 from ddgfab.linkages.crab_rates import _second, _steepest, power
 from ddgfab.linkages.frames import angular_velocity
 from ddgfab.linkages.taylor_models import ORDER, TaylorModel, closing, product
@@ -117,7 +117,7 @@ def test_derivatives_of_the_rest_are_bounded(disc: float, monkeypatch: pytest.Mo
     second derivative of b^2 is more than rest / (R - half)^2 where the disc is wide, so that the
     factor 2 of the estimate is needed; a disc of twice the interval alone would not show it.
     """
-    monkeypatch.setattr(models, "DISC", disc)
+    monkeypatch.setattr(taylor_models, "DISC", disc)
     half, rest = 0.3, 0.7
     radius = disc * half
     model = TaylorModel(np.zeros((ORDER, 1)), np.array([rest]))
@@ -171,7 +171,7 @@ def test_the_slope_of_an_isogram_is_bounded_on_a_disc(ratio: float, around: floa
     on_disc = around * np.exp(1j * np.linspace(0, 2 * np.pi, 73))
     z = angles[:, None] + on_disc
     slope = np.abs(-2.0 * ratio / ((1 + ratio**2) - (1 - ratio**2) * np.cos(z))).max(axis=1)
-    bound = models._steepest(ratio, angles, np.full(len(angles), around))
+    bound = taylor_models._steepest(ratio, angles, np.full(len(angles), around))
     assert (slope <= bound * (1 + 1e-12)).all()
     if around < 0.1:
         assert (bound <= 1.2 * slope).all()
