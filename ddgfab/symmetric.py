@@ -15,8 +15,10 @@ def factored(matrix: Any) -> SuperLU:
     """Factors of a positive definite or quasi-definite sparse matrix; `solve` uses them.
 
     Such matrices need no pivoting, so that the ordering that keeps the factors sparse is kept
-    (minimum degree on A + A^T; Li 2005, An overview of SuperLU). Large systems of the path solver
-    have orderings of their own, see `ddgfab.optimize.linear`.
+    (minimum degree on A + A^T; Li 2005, An overview of SuperLU). Systems that may be
+    indefinite (Newton steps of `curvature.area_newton` and `support.nearest_axes`) are solved with
+    pivots there; large ones of the path solver have orderings of their own, see
+    `ddgfab.optimize.linear`.
 
     Raises
     ------

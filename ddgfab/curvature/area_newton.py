@@ -144,6 +144,7 @@ def newton_step(
 
 
 def _solved(matrix: csc_array, right: Floats) -> Floats | None:
+    """A solution, if there is one; with pivots, as second derivatives may be indefinite."""
     try:
         found = np.asarray(splu(matrix).solve(right))
     except RuntimeError:  # exactly singular

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array
-from scipy.sparse.linalg import splu
 
 from ddgfab.arguments import checked
 from ddgfab.curvature.cotangent import area_gradient, triangles_of
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh, extent
+from ddgfab.symmetric import factored
 from ddgfab.tolerances import NET_INPUT
 
 
@@ -100,5 +100,5 @@ def _integrate(count: int, sides: Ints, steps: Floats) -> Floats:
     difference = csc_array(coo_array((values, places), shape=(len(start), count)))
     rest = difference[:, 1:]  # the first point is the origin
     out = np.zeros((count, 3))
-    out[1:] = splu(csc_array(rest.T @ rest)).solve(rest.T @ steps.reshape(-1, 3))
+    out[1:] = factored(rest.T @ rest).solve(rest.T @ steps.reshape(-1, 3))
     return out

@@ -13,8 +13,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
 from ddgfab.arguments import checked
 from ddgfab.curvature.area_newton import (
@@ -27,6 +25,7 @@ from ddgfab.curvature.area_newton import (
 from ddgfab.curvature.cotangent import area_gradient, cotangent_laplacian, triangles_of
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.symmetric import factored
 
 GRADIENT_RELATIVE: Final = 1e-10
 """The iteration ends when the area's gradient at free vertices falls below this part of the
@@ -250,5 +249,5 @@ def dirichlet_step(mesh: Mesh, free: Ints, held: NDArray[np.bool_]) -> Mesh:
     ends = np.flatnonzero(held)
     right = -laplacian[:, ends] @ mesh.vertices[ends]
     vertices = mesh.vertices.copy()
-    vertices[free] = splu(csc_array(laplacian[:, free])).solve(right)
+    vertices[free] = factored(laplacian[:, free]).solve(right)
     return mesh.with_vertices(vertices)

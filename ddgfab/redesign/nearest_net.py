@@ -14,14 +14,12 @@ import numpy as np
 from scipy.sparse import (
     block_array,
     coo_array,
-    csc_array,
     csr_array,
     diags_array,
     eye_array,
     kron,
     vstack,
 )
-from scipy.sparse.linalg import splu
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats, Ints, Mesh, unit
@@ -179,9 +177,9 @@ def bent_further(mesh: Mesh, difference: Floats) -> Floats:
             break
         active |= short
         chosen = lines[active]
-        matrix = csc_array(base + _BENT**2 * (chosen.T @ chosen))
+        matrix = base + _BENT**2 * (chosen.T @ chosen)
         right = -(_FLAT**2) * (slope.T @ skew) + _BENT**2 * (chosen.T @ (asked - gap)[active])
-        move = splu(matrix).solve(right)
+        move = factored(matrix).solve(right)
     return np.asarray(mesh.vertices + frame.unit * move[:, None] * normal)
 
 

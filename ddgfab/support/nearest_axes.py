@@ -113,7 +113,10 @@ def _newton_step(
     force: Floats,
     eps: float,
 ) -> tuple[Floats, Floats]:
-    """Newton step on the Karush-Kuhn-Tucker system; new multipliers."""
+    """Newton step on the Karush-Kuhn-Tucker system; new multipliers.
+
+    The second derivatives may be indefinite, so this system needs the pivots that `factored` skips.
+    """
     system = block_array(
         [[hessian, matrix.T], [matrix, -eps * eye_array(matrix.shape[0])]], format="csc"
     )

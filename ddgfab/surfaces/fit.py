@@ -12,13 +12,13 @@ from typing import Final
 import numpy as np
 from scipy.interpolate import BSpline
 from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse import coo_array, csc_array, csr_array, diags_array
-from scipy.sparse.linalg import splu
+from scipy.sparse import coo_array, csr_array, diags_array
 
 from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.surfaces.spline import SplineSurface
+from ddgfab.symmetric import factored
 
 _DEGREE: Final = 5
 _LEAST, _MOST, _FEWER = 12, 22, 0.7
@@ -191,8 +191,8 @@ def _spread(mesh: Mesh) -> tuple[Floats, str]:
     free = np.flatnonzero(inner)
     if len(free):
         rows = links[free]
-        matrix = csc_array(diags_array(rows.sum(axis=1)) - rows[:, free])
-        plan[free] = splu(matrix).solve(rows @ plan)
+        matrix = diags_array(rows.sum(axis=1)) - rows[:, free]
+        plan[free] = factored(matrix).solve(rows @ plan)
     return plan, shape
 
 
