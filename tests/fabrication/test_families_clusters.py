@@ -6,9 +6,12 @@ import time
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from ddgfab.mesh import Floats
-from fabrication.families import _alone, cluster
+from fabrication.families import _alone, cluster, families
+from fabrication.gridshell.pieces import Panel
+from fabrication.parts.panel import PanelShape
 from fabrication.variants import key_of
 
 
@@ -91,3 +94,18 @@ def test_clusters_are_those_of_comparing_all_with_all(seed: int, scatter: float)
         apart = np.linalg.norm(points[leader, found.variant[k]] - points[k, 0], axis=-1).max()
         assert apart == pytest.approx(off[k], abs=1e-5)
     assert 5 <= len(set(owner)) < 300
+
+
+def test_the_first_piece_of_a_number_stays_exactly_where_it_is() -> None:
+    """Of 300 numbers in one key too: its frame is not turned there and back, which would round."""
+    pieces = []
+    for k in range(300):
+        angle = 0.5 * np.pi * np.arange(4) + 0.1
+        outline = (500.0 + k) * np.column_stack([np.cos(angle), np.sin(angle)])
+        placement = np.eye(4)
+        placement[:3, :3] = Rotation.random(random_state=k).as_matrix()
+        placement[:3, 3] = [k, -3.3 * k, 1e4 / 3]
+        shape = PanelShape(10.0, outline, outline)
+        pieces.append(Panel(f"P-{k:04d}", k, 0.0, 0.0, "flat", (), shape, placement))
+    for family, piece in zip(families(pieces, 0.02), pieces, strict=True):
+        assert (family.instances[0].placement == piece.placement).all()
