@@ -12,7 +12,7 @@ from fabrication.boundary import Boundary
 from fabrication.formats.step import (
     Header,
     Material,
-    Product,
+    StepProduct,
 )
 from fabrication.formats.step.direct import part_bytes
 from fabrication.solids import boundary_of, properties_of
@@ -60,9 +60,9 @@ INSTANCES = [
 ]
 
 
-def products() -> list[Product]:
+def products() -> list[StepProduct]:
     return [
-        Product(
+        StepProduct(
             number,
             KINDS[ROLES[number[:2]]],
             None,
@@ -78,5 +78,5 @@ def text_of(shape: Shape, number: str = "BP-001") -> bytes:
     found = boundary_of(shape)
     assert found is not None
     return part_bytes(
-        Product(number, KINDS["beam"], None, properties_of(shape), None, found), "part.step"
+        StepProduct(number, KINDS["beam"], None, properties_of(shape), None, found), "part.step"
     )

@@ -12,7 +12,7 @@ from gridshell_kinds import KINDS
 from roofs import barrel
 
 from ddgfab.errors import InputError
-from fabrication.formats.base import About, Header, Material, Part
+from fabrication.formats.base import Header, Material, Part, Provenance
 from fabrication.formats.dxf import FORMAT
 from fabrication.formats.report import inspect_file
 from fabrication.gridshell.design import design
@@ -25,7 +25,7 @@ from fabrication.standards.profiles import profile
 
 CORNERS = np.array([[0.0, 0.0], [900.0, 0.0], [850.0, 720.0], [20.0, 650.0]])
 MIDDLE = CORNERS.mean(axis=0)
-ABOUT = About("roof", Header())
+ABOUT = Provenance("roof", Header())
 
 
 def part(shape: Shape, kind: Kind) -> Part:
@@ -45,7 +45,7 @@ def bar(name: str = "FL 80x10", *holes: CrossHole, slope: float = 0.2) -> Part:
 
 def written(made: Part, folder: Path, release: str = "R2010") -> Path:
     path = folder / f"{release}.dxf"
-    FORMAT.write_part(path, made, About("roof", Header(), {"dxf": {"release": release}}))
+    FORMAT.write_part(path, made, Provenance("roof", Header(), {"dxf": {"release": release}}))
     return path
 
 

@@ -26,7 +26,7 @@ from xcaf_route import write_by_xcaf
 
 from ddgfab.errors import KernelError
 from fabrication.formats.step import (
-    Product,
+    StepProduct,
     write_assembly,
 )
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
@@ -197,7 +197,7 @@ def test_pieces_of_an_assembly_are_valid_and_where_they_were_put(tmp_path: Path)
 def test_parts_without_an_exact_boundary_stand_beside_the_others(tmp_path: Path) -> None:
     exact = products()
     cut = [
-        Product(f"NP-{k:03d}", KINDS["node"], solid_of(shape), properties_of(shape), STEEL)
+        StepProduct(f"NP-{k:03d}", KINDS["node"], solid_of(shape), properties_of(shape), STEEL)
         for k, (shape, _) in enumerate(CUT.values(), start=2)
     ]
     extra = [(product.number, f"N-{k:04d}", motion(k)) for k, product in enumerate(cut, start=2)]
@@ -230,7 +230,7 @@ def test_a_solid_that_is_no_single_shell_is_refused_by_name() -> None:
         KernelShell(solid)
     with pytest.raises(KernelError, match="NP-007"):
         assembly_bytes(
-            [Product("NP-007", KINDS["node"], solid, properties_of(SHAPES["NP-001"]))],
+            [StepProduct("NP-007", KINDS["node"], solid, properties_of(SHAPES["NP-001"]))],
             [],
             name="R",
             file_name="a",

@@ -18,7 +18,7 @@ from step_products import HEADER, SHAPES, boundary, products, text_of
 
 from ddgfab.errors import DegenerateError, KernelError
 from fabrication.formats.step import (
-    Product,
+    StepProduct,
 )
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
 from fabrication.formats.step.geometry import BoundaryShell, shell
@@ -112,7 +112,7 @@ def test_the_header_is_filled_in(
 def test_an_unknown_part_number_and_a_missing_boundary_are_named() -> None:
     with pytest.raises(KernelError, match="B-0009 is an instance of BP-009"):
         assembly_bytes(products(), [("BP-009", "B-0009", np.eye(4))], name="R", file_name="a")
-    bare = [Product("BP-001", KINDS["beam"], None, properties_of(SHAPES["BP-001"]))]
+    bare = [StepProduct("BP-001", KINDS["beam"], None, properties_of(SHAPES["BP-001"]))]
     with pytest.raises(KernelError, match="BP-001"):
         assembly_bytes(bare, [], name="R", file_name="a")
 

@@ -11,7 +11,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ddgfab.errors import DdgError, InputError, clipped
-from fabrication.formats.base import About, Format, Part
+from fabrication.formats.base import Format, Part, Provenance
 from fabrication.formats.dxf.read import Polyline, read_dxf
 from fabrication.formats.dxf.write import CUT, DETAIL, dxf_text
 from fabrication.formats.report import FileReport
@@ -40,7 +40,7 @@ class Dxf(Format):
         """Whether the part is cut from plate or glass."""
         return _plate_of(family) is not None
 
-    def write_part(self, path: Path, part: Part, about: About) -> None:
+    def write_part(self, path: Path, part: Part, about: Provenance) -> None:
         """Outline and holes on CUT, the outline of a smaller face on DETAIL."""
         flat = _plate_of(part.family)
         assert flat is not None
