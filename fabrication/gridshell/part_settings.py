@@ -72,6 +72,7 @@ class BeamSettings(_WithProfile):
     grade : for the order: steel grade and what is done to the surface, "S355J2, galvanized"
     rules : profiles of beams of one place; in a file [[beam]] tables, the first without `where`
     density : kg/m3; default steel, EN 1991-1-1
+    material : what the bars are of, as files name it
     """
 
     profile: str | list[list[float | int]] = "FL 60x8"
@@ -80,6 +81,7 @@ class BeamSettings(_WithProfile):
     clearance_mm: NotNegative = 0.5
     min_length_mm: Positive = 100.0
     grade: str = ""
+    material: str = "Steel"
     rules: tuple[BeamRule, ...] = Field(default=(), strict=False)
     density: Positive = density("steel")
 
@@ -125,8 +127,8 @@ class NodeSettings(_WithKind):
 
     Attributes
     ----------
-    kind : one of the registry of nodes: "cylinder" (solid), "tube", or "star" (plates in the
-        planes of the beams, for bolted tongues)
+    kind : one of the registry of nodes: "cylinder" (solid), "tube", "star" (plates in the
+        planes of the beams, for bolted tongues) or "plates" (two discs on a core, for slots)
     diameter_mm : "auto" = the least of the series that fits the whole project, or a number
     series_mm : diameters to choose from; empty: round bars EN 10060, or tubes EN 10210-2
     min_diameter_mm : "auto" takes no less: room for weld or bolt, and for the mark
@@ -160,7 +162,8 @@ class ConnectionSettings(_WithKind):
     ----------
     kind : "welded" (the end on the seat, no holes), "stud" (a thread in the node, a plate or
         solid end of the beam on the same axis, an opening to tighten it), "end_plate" (a plate
-        across the end of the beam, bolts on either side of the bar) or "bolted_tongue" (the
+        across the end of the beam, bolts on either side of the bar), "slotted" (the discs of [node]
+        kind = "plates" in slots across timber bars) or "bolted_tongue" (the
         plates of [node] kind = "star" in slots of flat bars, two bolts in double shear)
     weld_mm : throat thickness of the fillet weld, 3 or more (EN 1993-1-8, 4.5.2): of beams to
         nodes, or of plates to hollow sections

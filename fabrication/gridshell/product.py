@@ -64,7 +64,7 @@ class GridshellProduct(Product):
         """Steel and glass, of the densities in the project."""
         project = self.design.project
         return {
-            BEAM.role: Material("Steel", project.beam.density),
+            BEAM.role: Material(project.beam.material, project.beam.density),
             NODE.role: Material("Steel", project.node.density),
             PANEL.role: Material("Glass", project.panel.density),
             FASTENER.role: Material("Steel", steel_density()),

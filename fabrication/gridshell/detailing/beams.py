@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from fabrication.gridshell.detailing.nodes.base import NodeSize
 from fabrication.gridshell.detailing.sections import Sections
 from fabrication.gridshell.pieces import Beam
 from fabrication.gridshell.project import Project
-from fabrication.parts.beam import BeamShape, CrossHole, EndCut, SlotEnd
+from fabrication.parts.beam import BeamShape, CombEnd, CrossHole, EndCut, SlotEnd
 from fabrication.specs import Check
 
 
@@ -77,6 +77,7 @@ def beam_specs(
     tongue = joined.tongue
     slot = None if tongue is None else SlotEnd(tongue.slot, tongue.depth)
     holes = [] if tongue is None else _cross_holes(frames, lengths, sections, tongue)
+    combs = _combs(joined, mesh.n_edges)
     profiles, of_edge = sections.profiles, sections.of_edge.tolist()
     limit = project.checks.torsion_deg
     glass = project.panel.kind != "none"
@@ -97,8 +98,8 @@ def beam_specs(
     ):
         shape = BeamShape(
             profiles[of_edge[e]],
-            EndCut(0.0, slope[0], radius, skew[0], joined.end, slot, joined.plate),
-            EndCut(x, slope[1], radius, skew[1], joined.end, slot, joined.plate),
+            EndCut(0.0, slope[0], radius, skew[0], joined.end, slot, joined.plate, combs[e][0]),
+            EndCut(x, slope[1], radius, skew[1], joined.end, slot, joined.plate, combs[e][1]),
             holes[e] if holes else (),
         )
         left, right = (panel_mark(face) if glass and face >= 0 else None for face in faces)
@@ -120,6 +121,14 @@ def beam_specs(
             )
         )
     return tuple(beams)
+
+
+def _combs(joined: Joined, count: int) -> list[tuple[CombEnd | None, CombEnd | None]]:
+    """The slots for discs at both ends of every beam."""
+    comb, offsets = joined.comb, joined.offsets
+    if comb is None or offsets is None:
+        return [(None, None)] * count
+    return [(replace(comb, offset=one), replace(comb, offset=two)) for one, two in offsets.tolist()]
 
 
 def _check_lengths(

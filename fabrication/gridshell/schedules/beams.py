@@ -69,6 +69,28 @@ LEGEND: Final = Legend(
         "plate_end_mm": "the same at the end",
         "opening_end_mm": "the same at the end",
         "opening_end_height_mm": "the same at the end",
+        "slots_start_up_mm": "the middle of the start's cut, above the bottom of the bar",
+        "slots_start_middle_mm": "from that point along the cut, positive upwards, to the middle "
+        "between two slots, which are square to the cut and go from side to side",
+        "slots_start_apart_mm": "from the middle of one slot to that of the other",
+        "slots_start_width_mm": "height of the slots",
+        "slots_start_depth_mm": "their depth from the cut, square to it",
+        "bolts_start_mm": "from the cut, square to it, to the holes, which run parallel to the cut "
+        "in the middle of the width",
+        "bolts_start_hole_mm": "diameter of these holes",
+        "bolts_start_recess_mm": "diameter of the recesses for head and nut, at both ends of a "
+        "hole",
+        "bolts_start_grip_mm": "from the floor of one recess to that of the other; the middle "
+        "between the slots is half way",
+        "slots_end_up_mm": "the same at the end",
+        "slots_end_middle_mm": "the same at the end",
+        "slots_end_apart_mm": "the same at the end",
+        "slots_end_width_mm": "the same at the end",
+        "slots_end_depth_mm": "the same at the end",
+        "bolts_end_mm": "the same at the end",
+        "bolts_end_hole_mm": "the same at the end",
+        "bolts_end_recess_mm": "the same at the end",
+        "bolts_end_grip_mm": "the same at the end",
         "slot_width_mm": "width of the slots from both cuts, about the middle of the width, open "
         "at top and bottom",
         "slot_depth_mm": "depth of the slots, square to the cuts",

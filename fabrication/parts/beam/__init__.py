@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fabrication.parts.beam.comb import CombEnd
 from fabrication.parts.beam.congruence import fibre_ends
 from fabrication.parts.beam.shape import (
     BEAM,
@@ -16,6 +17,7 @@ from fabrication.parts.beam.shape import (
 __all__ = [
     "BEAM",
     "BeamShape",
+    "CombEnd",
     "CrossHole",
     "EndCut",
     "PlateEnd",

@@ -11,6 +11,7 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Cut, Tool, Vec
+from fabrication.parts.beam.comb import combed_faces
 from fabrication.parts.beam.end_plate import plated_faces
 from fabrication.parts.beam.slot import slotted_faces
 from fabrication.parts.beam.stud import (
@@ -187,6 +188,9 @@ def beam_boundary(shape: BeamShape) -> Boundary:
     check_ends(shape, loops)
     check_hole_pairs(shape.holes)
     builder = BoundaryBuilder()
+    if shape.start.comb is not None or shape.end.comb is not None:
+        combed_faces(builder, shape)
+        return builder.build()
     if shape.start.slot is not None or shape.end.slot is not None:
         slotted_faces(builder, shape)
         return builder.build()

@@ -31,6 +31,8 @@ def beam_key(shape: BeamShape) -> Hashable:
 
 def _stud_key(cut: EndCut) -> Hashable:
     stud, slot = cut.stud, cut.slot
+    if cut.comb is not None:
+        return cut.comb.key()
     if cut.plate is not None:
         return plate_key(cut.plate)
     if slot is not None:
@@ -39,6 +41,12 @@ def _stud_key(cut: EndCut) -> Hashable:
         return None
     sizes = (stud.z, stud.diameter, stud.plate, stud.length, stud.height, stud.corner)
     return tuple(map(key_of, sizes))
+
+
+def _levels(shape: BeamShape) -> tuple[float, float]:
+    """Heights [mm] along the cuts by which ends may differ within a tolerance."""
+    start, end = shape.start.comb, shape.end.comb
+    return (0.0 if start is None else start.offset), (0.0 if end is None else end.offset)
 
 
 @lru_cache(maxsize=64)
@@ -83,7 +91,8 @@ def beam_variants(shapes: Sequence[BeamShape]) -> Variants:
     end = np.array([pair[1] for pair in ends])
     holes = np.array([[hole.x for hole in shape.holes] for shape in shapes])
     middle = 0.5 * (start.mean(axis=1) + end.mean(axis=1))[:, None]
-    points = np.hstack([start - middle, end - middle, holes - middle])[:, None, :, None]
+    levels = np.array([_levels(shape) for shape in shapes])
+    points = np.hstack([start - middle, end - middle, holes - middle, levels])[:, None, :, None]
     turn, shift = np.zeros((len(shapes), 1)), np.zeros((len(shapes), 1, 3))
     shift[:, 0, 0] = middle[:, 0]
     first = shapes[0]
@@ -92,7 +101,7 @@ def beam_variants(shapes: Sequence[BeamShape]) -> Variants:
     if alike and _symmetric(first.profile) and _stud_key(first.start) == _stud_key(first.end):
         if first.is_skew:  # what was on the right comes to the left
             start, end = np.roll(start, 2, axis=1), np.roll(end, 2, axis=1)
-        back = np.hstack([middle - end, middle - start, middle - holes[:, ::-1]])
+        back = np.hstack([middle - end, middle - start, middle - holes[:, ::-1], levels[:, ::-1]])
         points = np.concatenate([points, back[:, None, :, None]], axis=1)
         turn = np.concatenate([turn, turn + np.pi], axis=1)
         shift = np.concatenate([shift, shift], axis=1)

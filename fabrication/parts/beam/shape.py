@@ -10,6 +10,7 @@ import numpy as np
 
 from fabrication.boundary import Boundary, Cut
 from fabrication.parts.beam.boundary import beam_geometry
+from fabrication.parts.beam.comb import CombEnd
 from fabrication.parts.beam.congruence import beam_key, beam_variants, fibre_ends
 from fabrication.parts.beam.end_plate import bar_of, plate_details
 from fabrication.parts.beam.volume import beam_volume
@@ -89,8 +90,8 @@ class EndCut:
         angle only where an axis leaves the plane y = 0 and is not perpendicular to the beam
     radius : None for a flat cut; else the radius [mm] of the coping cylinder, whose axis lies that
         far (perpendicularly) beyond x; its skew is 0
-    stud, slot, plate : a hole for a stud or bolt through the cut, a slot, or a plate across it;
-        it is flat, not skew then
+    stud, slot, plate, comb : a hole for a stud or bolt through the cut, a slot, a plate across
+        it, or slots across it; it is flat, not skew then
     """
 
     x: float
@@ -100,6 +101,7 @@ class EndCut:
     stud: StudEnd | None = None
     slot: SlotEnd | None = None
     plate: PlateEnd | None = None
+    comb: CombEnd | None = None
 
 
 @dataclass(frozen=True)
@@ -177,6 +179,8 @@ class BeamShape:
                 found[f"opening_{name}_height_mm"] = cut.stud.height
             if cut.plate is not None:
                 found |= plate_details(cut.plate, low, name)
+            if cut.comb is not None:
+                found |= cut.comb.details(cut.comb.z - low, name)
         return found
 
     def stock(self) -> tuple[str, float]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ddgfab.mesh import Floats
 from fabrication.parts.beam.boundary import ends_of, hole_walls, opening_sides
+from fabrication.parts.beam.comb import comb_volume
 from fabrication.parts.beam.end_plate import bar_of, plate_volume
 from fabrication.parts.beam.slot import slot_volume, strips
 from fabrication.parts.beam.stud import inner_end, lower_wall, opening_area
@@ -62,6 +63,7 @@ def beam_volume(shape: BeamShape) -> float:
             (_, right), (_, left) = opening_sides(shape, cut, outward, loops)
             through = left - right
         total -= opening_area(cut, hollow=len(loops) > 1) * through
+    total -= comb_volume(shape) if shape.start.comb or shape.end.comb else 0.0
     total += sum(
         plate_volume(cut.plate) for cut in (shape.start, shape.end) if cut.plate is not None
     )

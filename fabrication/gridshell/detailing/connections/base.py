@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Final, Self
 
-from fabrication.parts.beam import PlateEnd, StudEnd
+from ddgfab.mesh import Floats
+from fabrication.parts.beam import CombEnd, PlateEnd, StudEnd
 from fabrication.parts.fastener import FastenerShape
 from fabrication.specs import Profile
 from fabrication.standards.fasteners import Fastener
@@ -75,6 +76,21 @@ class Tongue:
 
 
 @dataclass(frozen=True)
+class Discs:
+    """Discs of nodes in slots across beams [mm]; distances along an arm begin at the beam's cut.
+
+    thickness : of each disc
+    length : where the discs end
+    steps, hole : of the holes, and their diameter
+    """
+
+    thickness: float
+    length: float
+    steps: tuple[float, ...]
+    hole: float
+
+
+@dataclass(frozen=True)
 class Mounted:
     """A fastener of a connection and where it sits on the axis.
 
@@ -87,7 +103,7 @@ class Mounted:
     towards: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Joined:
     """What the connections of a project have in common, as they fit its nodes [mm].
 
@@ -105,6 +121,8 @@ class Joined:
     grip : what the fastener clamps, from the seat to the head or nut
     end_length : what a beam's end takes of its length
     tongue : plates of nodes in slots of beams
+    comb, offsets : slots for discs, and (E, 2) how far their middle is above that of each end face
+    levels : (V,) height of the middle between the discs of each node along its axis
     weld : throat thickness of the weld, of the beam to the node or of its plate; None: no weld
     """
 
@@ -122,6 +140,9 @@ class Joined:
     end_length: float = 0.0
     weld: float | None = None
     tongue: Tongue | None = None
+    comb: CombEnd | None = None
+    offsets: Floats | None = None
+    levels: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -150,6 +171,10 @@ class Connection(ABC):
 
     def tongue(self, profile: Profile) -> Tongue | None:
         """The plates that nodes must have; None: no tongues."""
+        return None
+
+    def discs(self, profile: Profile) -> Discs | None:
+        """The discs that nodes must have; None: no discs."""
         return None
 
     def check(self, joints: Joints) -> None:  # noqa: B027 - nothing to check is the usual case

@@ -39,7 +39,13 @@ def bolt_specs(
     radial = cos * arms.x_axis[arms.node] + sin * side
     # (bolts, A): distances from the node axis, heights along it; directions of the bolts
     across: Floats = np.zeros((1, 1))
-    if joined.tongue is None:
+    if joined.levels is not None and joined.comb is not None:
+        steps = np.array(joined.comb.steps)[:, None]
+        rho = np.broadcast_to(size.cut + steps, (len(steps), len(radial)))
+        node_hole, along = joined.hole, axis
+        heights = np.broadcast_to(joined.levels[arms.node], rho.shape)
+        span = (-0.5 * joined.grip, 0.5 * joined.grip)
+    elif joined.tongue is None:
         assert joined.thread is not None
         across, up = np.array(joined.places).T[:, :, None]
         rho, node_hole = np.full((len(up), len(radial)), size.seat), joined.hole

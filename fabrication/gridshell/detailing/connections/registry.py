@@ -14,6 +14,7 @@ MODULES: Final = {
     "welded": (f"{_HERE}.welded", "Welded"),
     "stud": (f"{_HERE}.stud", "Stud"),
     "end_plate": (f"{_HERE}.end_plate", "EndPlate"),
+    "slotted": (f"{_HERE}.slotted", "Slotted"),
     "bolted_tongue": (f"{_HERE}.tongue", "BoltedTongue"),
 }
 """Module and class of each kind, by its name in [connection] kind."""

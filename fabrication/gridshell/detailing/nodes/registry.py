@@ -14,6 +14,7 @@ MODULES: Final = {
     "cylinder": (f"{_HERE}.round", "Cylinder"),
     "tube": (f"{_HERE}.round", "Tube"),
     "star": (f"{_HERE}.star", "Star"),
+    "plates": (f"{_HERE}.plates", "Plates"),
 }
 """Module and class of each kind, by its name in [node] kind."""
 

@@ -1,0 +1,106 @@
+"""Nodes of two discs on a core, which go into slots of the beams' ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Final, Self
+
+import numpy as np
+
+from ddgfab.errors import DetailError
+from ddgfab.mesh import Floats
+from fabrication.gridshell.detailing.arm_room import least_radii
+from fabrication.gridshell.detailing.connections.base import Discs, Joined
+from fabrication.gridshell.detailing.connections.slotted import arm_slopes, axis_levels
+from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
+from fabrication.parts.node import ReferenceMark
+from fabrication.parts.spool import SPOOL, SpoolShape
+from fabrication.specs import Kind
+
+CORE: Final = 0.6
+"""Radius of the core, in distances of the beams' cuts from the axis."""
+
+LEAST_CUT: Final = 25.0
+"""The beams' cuts are so far [mm] from the axis, or farther."""
+
+MARK: Final = (3.0, 1.0)
+"""Diameter and depth [mm] of the reference mark."""
+
+SLACK: Final = 1e-6
+"""A distance [mm] may fall short by this, so that noise adds no step."""
+
+
+@dataclass(frozen=True)
+class Plates(NodeSize):
+    """Discs of one size for all nodes.
+
+    discs : thickness, length from the beams' cuts, and holes
+    """
+
+    discs: Discs
+
+    kind: ClassVar[Kind] = SPOOL
+
+    @classmethod
+    def fit(cls, joints: Joints) -> Self:
+        """The least distance of the beams at which they do not meet.
+
+        Raises
+        ------
+        DetailError
+            A connection without discs, or a diameter that the project names.
+        """
+        arms, project = joints.arms, joints.project
+        discs = joints.connection.discs(joints.profile)
+        if discs is None:
+            raise DetailError(
+                f'[node] kind = "plates" is for [connection] kind = "slotted", not '
+                f'"{project.connection.kind}"'
+            )
+        if project.node.diameter_mm != "auto":
+            raise DetailError(
+                "the size of the discs follows from beams and bolts: leave [node] diameter_mm out"
+            )
+        needs = least_radii(arms, joints.width, project.node.arm_clearance_mm)
+        worst = int(needs.argmax())
+        seat = max(float(np.sqrt(needs[worst] ** 2 - 0.25 * joints.width**2)), LEAST_CUT)
+        cut = float(np.ceil(seat + project.beam.clearance_mm - SLACK))
+        return cls(
+            cut + discs.length, cut, cut, joints.width, float(needs[worst]),
+            int(arms.node[worst]), discs,
+        )  # fmt: skip
+
+    def ends(self, joints: Joints, bottom: Floats, top: Floats) -> tuple[Floats, Floats]:
+        """Discs lie in the bars, no farther apart than half of their depth."""
+        used = np.diff(joints.arms.start) > 0
+        level = axis_levels(joints, self.cut, self.discs.length)
+        stretch = float(np.hypot(1.0, arm_slopes(joints)).max())
+        reach = 0.25 * joints.profile.depth * stretch + 0.5 * self.discs.thickness
+        return np.where(used, level - reach, bottom), np.where(used, level + reach, top)
+
+    def shapes(
+        self, joints: Joints, joined: Joined, bottom: Floats, top: Floats, middle: Floats
+    ) -> list[SpoolShape]:
+        """Two discs at the slots of the arms."""
+        comb, levels = joined.comb, joined.levels
+        assert comb is not None
+        assert levels is not None
+        arms, t = joints.arms, self.discs.thickness
+        azimuths, starts = arms.azimuth.tolist(), arms.start.tolist()
+        core, reach = CORE * self.cut, 0.5 * (comb.spacing + t)
+        mark = ReferenceMark(0.5 * core, min(MARK[0], 0.4 * core), min(MARK[1], 0.5 * t))
+        steps = tuple(self.cut + step for step in self.discs.steps)
+        return [
+            SpoolShape(
+                self.radius,
+                t,
+                core,
+                float(levels[v]) - reach,
+                float(levels[v]) + reach,
+                tuple(azimuths[starts[v] : starts[v + 1]]),
+                steps,
+                self.discs.hole,
+                mark,
+            )
+            for v in np.flatnonzero(np.diff(arms.start)).tolist()
+        ]
