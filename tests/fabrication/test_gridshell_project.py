@@ -121,7 +121,7 @@ def test_generated_nets_take_a_scale_but_no_other_unit(tmp_path: Path) -> None:
         (NET + '[connection]\nkind = "studd"\n', [":5:", "did you mean stud?"]),
         (
             NET + '[connection]\nbolt = "M16"\n',
-            ['for kind = "stud" or "bolted_tongue", not for "welded"'],
+            ['bolt is for kind = "stud" or "end_plate" or ', 'not for "welded"'],
         ),
         (NET + "[connection]\nweld_mm = 2\n", [":5:", "= 2", "greater than or equal to 3"]),
         (NET + '[panel]\nedge = "mitered"\n', ['"mitred"', "did you mean"]),
