@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from roofs import barrel
 
 from fabrication.gridshell.design import Design, design
+from fabrication.job import pool
 from fabrication.job.result import JobResult
 from fabrication.job.run import make
 from fabrication.linkage.kit import Kit, kit
+
+
+@pytest.fixture(scope="session", autouse=True)
+def jobs_in_this_process() -> Iterator[None]:
+    """A job that is not told how many processes to use works in this one.
+
+    Tests run beside each other on all cores, and each worker would import the kernel anew. Tests
+    of workers say how many they want, or run the command in a process of its own.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pool, "process_count", lambda jobs: jobs or 1)
+        yield
 
 
 @pytest.fixture(scope="session")
