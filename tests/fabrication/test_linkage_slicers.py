@@ -40,7 +40,6 @@ def test_prusaslicer_accepts_every_file_and_slices_the_plate(
             "prusa-slicer",
             "-g",
             "--dont-arrange",
-            *("--layer-height", "0.3", "--fill-density", "0%"),
             "--bed-shape",
             "0x0,220x0,220x220,0x220",
             "-o",

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from linkage_cases import meshes_of
+from near_pairs import near_pairs
 
 from fabrication.checks.mesh import to_manifold
 from fabrication.job.result import JobResult
@@ -136,9 +137,8 @@ def test_read_back_meshes_never_meet_on_the_way(bennett: Kit, kit_job: JobResult
     number = {i.mark: f.number for f in bennett.families for i in f.instances}
     for t in range(POSES):
         bodies = [solids[number[m]].transform(motions[m][t][:3]) for m in marks]
-        for i, one in enumerate(bodies):
-            for two in bodies[:i]:
-                assert (one ^ two).volume() < OVERLAP_MM3
+        for one, two in near_pairs(bodies):
+            assert (bodies[one] ^ bodies[two]).volume() < OVERLAP_MM3
 
 
 @pytest.mark.slow
