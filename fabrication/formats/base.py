@@ -85,6 +85,7 @@ class Provenance:
     options : [output.options]: by format, by name of an option
     title : the title block
     conventions : how signs, sides and counts in the schedules go, a sentence each
+    origin : where the origin of all coordinates is in those of the input [mm]
     """
 
     project: str
@@ -92,6 +93,15 @@ class Provenance:
     options: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     title: Title = Title()
     conventions: tuple[str, ...] = ()
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Where the origin of coordinates is, unless it is that of the input."""
+        if not any(self.origin):
+            return ()
+        at = ", ".join(f"{value:.12g}" for value in self.origin)
+        return (f"The origin of all coordinates is at ({at}) mm of the input.",)
 
 
 @dataclass(frozen=True)

@@ -296,7 +296,7 @@ def add_cover(book: Book, whole: Whole) -> None:
     sheet.write_url(line, 0, f"internal:'{COLUMNS}'!A1", text, "Columns")
     sheet.write_string(line, 2, "a column of a sheet: its unit, and what it means", after)
     line += 2
-    for sentence in (UNITS, *whole.about.conventions):
+    for sentence in (UNITS, *whole.about.remarks, *whole.about.conventions):
         sheet.merge_range(line, 0, line, 14, sentence, wrapped)
         sheet.set_row(line, LINE * (1 + len(sentence) // 190) + 2)
         line += 1

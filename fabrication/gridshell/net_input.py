@@ -33,7 +33,7 @@ class NetInput:
     The file is that of the mesh, or of the combinatorics that a generated net starts from; None
     where there is none. axes : (V, 3) node axes that the file carries, or None. surfaces : what a
     traced net was traced on; reference : the same as a fine mesh, what its optimisation stays near
-    to.
+    to. origin : what was subtracted from the coordinates of a file that lies far from its own [mm]
     """
 
     mesh: Mesh
@@ -43,6 +43,7 @@ class NetInput:
     axes: Floats | None = None
     surfaces: tuple[SplineSurface, ...] = ()
     reference: Mesh | None = None
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def support_kind(project: Project) -> SupportKind:
@@ -92,7 +93,10 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
         return NetInput(mesh.scaled(factor), str(named), digest, _notes(project))
     if read is None:
         return NetInput(mesh.scaled(factor), None, None, _notes(project))
-    return NetInput(mesh.scaled(factor), read.file, read.sha256, read.notes, read.axes)
+    x, y, z = (read.origin * factor).tolist()
+    return NetInput(
+        mesh.scaled(factor), read.file, read.sha256, read.notes, read.axes, origin=(x, y, z)
+    )
 
 
 def _size(project: Project, median_mm: float, factor: float, stated: str | None) -> str:

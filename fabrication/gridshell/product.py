@@ -92,6 +92,11 @@ class GridshellProduct(Product):
         good = {piece.mark for piece in self.pieces if all(check.passed for check in piece.checks)}
         return [family for family in self.families if family.instances[0].mark in good]
 
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """What was subtracted from coordinates far from their origin [mm]."""
+        return self.design.source.origin
+
     def facts(self) -> dict[str, Any]:
         """Input, settings, net, support structure, and what [optimize] did."""
         design = self.design
@@ -101,6 +106,7 @@ class GridshellProduct(Product):
                 "sha256": design.source.sha256,
                 "vertices": design.mesh.n_vertices,
                 "faces": design.mesh.n_faces,
+                "origin_mm": list(self.origin),
             },
             "settings": design.project.settings,
             "net": design.measures.to_dict(),

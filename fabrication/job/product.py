@@ -106,7 +106,14 @@ class Product(ABC):
         output = self.output
         author = output.author or self.title.author
         header = Header(author, output.organization, self.name)
-        return Provenance(self.name, header, output.options, self.title, self.conventions)
+        return Provenance(
+            self.name, header, output.options, self.title, self.conventions, self.origin
+        )
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """Where the origin of all coordinates is in those of the input [mm]."""
+        return (0.0, 0.0, 0.0)
 
     def format(self, name: str) -> Format:
         """A format of [output] formats: of the registry, or of the product's own."""

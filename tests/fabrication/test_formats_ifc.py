@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from uuid import UUID
 
+import numpy as np
 import pytest
 from part21 import decode
 from roofs import barrel
 
 from ddgfab.errors import InputError
+from ddgfab.io import write_mesh
 from fabrication.formats.base import Part, Whole
 from fabrication.formats.ifc import FORMAT, MODEL
 from fabrication.formats.ifc.guid import compressed
 from fabrication.formats.ifc.model import model_bytes
+from fabrication.formats.registry import find
 from fabrication.formats.report import inspect_file
 from fabrication.gridshell.design import design
 from fabrication.solids import realise
@@ -178,6 +182,32 @@ def test_check_counts_elements(folder: Path) -> None:
     assert report.contents == "8 IfcDiscreteAccessory, 10 IfcMember, 3 IfcPlate"
 
 
+def test_a_roof_far_away_names_its_origin(tmp_path: Path) -> None:
+    far = (691_000.25, 5_334_000.75, 520.5)  # [m], as surveys have it
+    mesh = barrel(1, 2)
+    write_mesh(tmp_path / "far.obj", mesh.with_vertices(mesh.vertices / 1000.0 + far))
+    made = design(tmp_path / "far.obj", project={"units": "m"})
+    near = design(mesh).gridshell.nodes
+    for one, two in zip(made.gridshell.nodes, near, strict=True):
+        back = one.placement[:3, 3] + made.source.origin
+        assert back == pytest.approx(two.placement[:3, 3] + np.multiply(far, 1000.0), abs=1e-3)
+    product = made.product()
+    assert product.facts()["input"]["origin_mm"] == list(made.source.origin)
+    parts = {
+        f.number: Part.of(f, realise(f.shape, 0.5, solid=False), product.material(f.role))
+        for f in product.families
+    }
+    whole = Whole(product.about(), parts, product.families, product.families)
+    text = model_bytes(whole, MODEL).decode("ascii")
+    (found,) = re.findall(r"=IFCMAPCONVERSION\(#\d+,#\d+,([^)]*)\)", text)
+    values = [float(value) for value in found.split(",")]
+    assert values == pytest.approx([*np.divide(made.source.origin, 1000.0), 1.0, 0.0, 0.001])
+    assert "IFCMAPCONVERSION" not in model_bytes(structure("FL 80x10", 0.0), MODEL).decode("ascii")
+    find("step").write_whole(tmp_path, whole)
+    head = (tmp_path / "assembly.step").read_text("ascii")[:600]
+    assert "The origin of all coordinates is at (691" in head.replace("','", "")
+
+
 @pytest.mark.slow
 def test_ifcopenshell_validates_it_and_finds_the_volumes(folder: Path, tmp_path: Path) -> None:
     pytest.importorskip("ifcopenshell")
@@ -192,8 +222,12 @@ def test_ifcopenshell_validates_it_and_finds_the_volumes(folder: Path, tmp_path:
     assert len(measured) == 13
     # Round corners come back as polygons.
     assert max(abs(found / stated - 1.0) for found, stated in measured) < 1e-5
-    (tmp_path / MODEL).write_bytes(model_bytes(structure("FL 80x10", 0.0), MODEL))
-    measured = volumes(ifcopenshell.open(str(tmp_path / MODEL)))
+    plain = structure("FL 80x10", 0.0)
+    far = replace(plain, about=replace(plain.about, origin=(6.9e8, 5.3e9, 5e5)))
+    (tmp_path / MODEL).write_bytes(model_bytes(far, MODEL))
+    model = ifcopenshell.open(str(tmp_path / MODEL))
+    assert model.by_type("IfcMapConversion")[0].Eastings == pytest.approx(6.9e5)
+    measured = volumes(model)
     assert max(abs(found / stated - 1.0) for found, stated in measured) < 1e-9
 
 

@@ -6,7 +6,7 @@ show by mapped items where they stand.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -21,6 +21,7 @@ from fabrication.specs import Color, Finish, IfcClass, Kind, Placement
 from fabrication.version import originating_system
 
 SCHEMA: Final = "IFC4"
+METER: Final = "IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.)"
 LABEL: Final = 255
 """Most characters of an IfcLabel."""
 
@@ -62,6 +63,8 @@ class _Model:
         self._context = lines.add(
             f"IFCGEOMETRICREPRESENTATIONSUBCONTEXT('Body','Model',*,*,*,*,{context},$,.MODEL_VIEW.,$)"
         )
+        if any(whole.about.origin):
+            self._map(context, whole.about.origin)
         self._identity = lines.add(
             f"IFCCARTESIANTRANSFORMATIONOPERATOR3D($,$,{lines.point(0.0, 0.0, 0.0)},1.,$)"
         )
@@ -69,6 +72,13 @@ class _Model:
         for number, standing in self._by_number().items():
             self._part(whole.parts[number], standing)
         self._close()
+
+    def _map(self, context: str, origin: Sequence[float]) -> None:
+        """Where the origin is in the coordinates of the input, whose system is not known [m]."""
+        meter = self.lines.share(METER)
+        crs = self.lines.add(f"IFCPROJECTEDCRS('unknown',$,$,$,$,$,{meter})")
+        at = ",".join(real(value * 1e-3) for value in origin)
+        self.lines.add(f"IFCMAPCONVERSION({context},{crs},{at},1.,0.,0.001)")
 
     def file(self, file_name: str) -> bytes:
         """Header and data."""
@@ -231,7 +241,7 @@ class _Model:
 
 def _units(lines: Lines) -> str:
     """Millimeters, radians, m2, m3, kg, kg/m3."""
-    meter = lines.add("IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.)")
+    meter = lines.share(METER)
     kilogram = lines.add("IFCSIUNIT(*,.MASSUNIT.,.KILO.,.GRAM.)")
     of_mass = lines.add(f"IFCDERIVEDUNITELEMENT({kilogram},1)")
     of_length = lines.add(f"IFCDERIVEDUNITELEMENT({meter},-3)")

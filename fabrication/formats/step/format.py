@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, cast, get_args
 
 from ddgfab.errors import InputError
 from fabrication.checks.solid import check_solid
-from fabrication.formats.base import Format, Part, Provenance, Whole
+from fabrication.formats.base import Format, Header, Part, Provenance, Whole
 from fabrication.formats.solids import SolidsReport
 from fabrication.formats.step.apart import apart
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
@@ -61,7 +62,7 @@ class StepFormat(Format):
             rejected=whole.failed,
             name=whole.about.project,
             file_name=path.name,
-            header=whole.about.header,
+            header=_header(whole.about),
             schema=self._schema(whole.about),
         )
         path.write_bytes(data)
@@ -91,6 +92,12 @@ class StepFormat(Format):
     def inspect(self, path: Path) -> SolidsReport:
         """Each product: solids, closed, valid, volume; and what solids share where they stand."""
         return apart(step_report, path)
+
+
+def _header(about: Provenance) -> Header:
+    """The header of the whole: it names the origin where that is not the input's."""
+    text = " ".join([about.header.description, *about.remarks])
+    return replace(about.header, description=text)
 
 
 def _check_part(path: Path, part: Part) -> list[Check]:
