@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 from collections.abc import Iterator
@@ -36,7 +37,9 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         temporary.replace(target)
         _sync_folder(target.parent)
     except OSError as error:
-        raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
+        full = error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", None))
+        why = "the disk is full; free some space" if full else error.strerror or error
+        raise OutputError(f"{target}: cannot be written: {why}") from error
     finally:
         with suppress(OSError):
             temporary.unlink()

@@ -79,7 +79,7 @@ class OutputFolder:
     ) -> None:
         if str(target) == "":
             raise OutputError("-o is empty; name a folder, or leave it out")
-        self.target: Final = Path(target).resolve()
+        self.target: Final = _resolved(Path(target))
         if not self.target.name:
             raise OutputError(f"{self.target}: no job can take this place; choose a folder with -o")
         self.project, self.sources, self.force = project, sources, force
@@ -154,6 +154,8 @@ class OutputFolder:
                         done = True
                     elif isinstance(error, OSError):
                         raise explain(error, self.target) from error
+                    elif isinstance(error, OutputError) and os.fspath(self.path) in str(error):
+                        raise _in_target(error, self.path, self.target) from error
                 finally:
                     discard(self.path)
                     self._held.release()
@@ -211,6 +213,10 @@ class OutputFolder:
         target = self.target
         if not target.exists() and not target.is_symlink():
             return
+        if target.is_symlink():  # resolved already: it leads nowhere
+            raise OutputError(
+                f"{target}: its symbolic links lead in a circle; choose another folder with -o"
+            )
         if not target.is_dir():
             raise OutputError(f"{target}: is a file; choose another folder with -o")
         with suppress(InputError):
@@ -242,6 +248,23 @@ class OutputFolder:
         )
 
 
+def _resolved(target: Path) -> Path:
+    """Where a folder is.
+
+    Raises
+    ------
+    OutputError
+        It is nowhere: links that lead in a circle, or characters that no name has.
+    """
+    try:
+        return target.resolve()
+    except RuntimeError:
+        why = "its symbolic links lead in a circle"
+    except (OSError, ValueError) as error:
+        why = f"no such place ({getattr(error, 'strerror', None) or error})"
+    raise OutputError(f"{clipped(target)}: {why}; choose another folder with -o")
+
+
 def explain(error: OSError, path: Path) -> OutputError:
     """The one clear message for a file system that refused."""
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
@@ -251,6 +274,14 @@ def explain(error: OSError, path: Path) -> OutputError:
     else:
         why = f"cannot be written ({error.strerror or error})"
     return OutputError(f"{path}: {why}\nNothing was written.")
+
+
+def _in_target(error: OutputError, staged: Path, target: Path) -> OutputError:
+    """An error about a file, which people will look for in the target and not where it is made."""
+    message = str(error).replace(os.fspath(staged), os.fspath(target))
+    return OutputError(
+        message if "othing was written" in message else f"{message}\nNothing was written."
+    )
 
 
 def _is_fixed(target: Path) -> bool:

@@ -98,8 +98,8 @@ def said_well(message: str) -> bool:
 
 
 @contextmanager
-def limited() -> Any:
-    """The limits of this process on memory, and the alarm of its calls."""
+def limited(memory: int = MEMORY) -> Any:
+    """The limits of this process on memory [bytes], and the alarm of its calls."""
     import resource
 
     def alarm(number: int, frame: object) -> None:
@@ -108,7 +108,7 @@ def limited() -> Any:
     before = signal.signal(signal.SIGPROF, alarm)
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (pages * os.sysconf("SC_PAGE_SIZE") + MEMORY, hard))
+    resource.setrlimit(resource.RLIMIT_AS, (pages * os.sysconf("SC_PAGE_SIZE") + memory, hard))
     try:
         yield
     finally:
@@ -119,7 +119,12 @@ def limited() -> Any:
 
 
 def run(
-    attack: Callable[[Watch, int, Path], None], description: str | None, count: int, folder: Path
+    attack: Callable[[Watch, int, Path], None],
+    description: str | None,
+    count: int,
+    folder: Path,
+    *,
+    memory: int = MEMORY,
 ) -> int:
     """The program of an attack: seeds from --begin on, --count of them; 1 where it broke something.
 
@@ -127,6 +132,7 @@ def run(
     ----------
     attack : called as (watch, seed, folder)
     count : how many, unless --count says so
+    memory : of the process [bytes], beside what it has
     """
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--count", type=int, default=count)
@@ -135,7 +141,7 @@ def run(
     given = parser.parse_args()
     watch, told = Watch(), set[str]()
     warnings.simplefilter("error")  # what numpy says of an overflow is no message for people
-    with limited():
+    with limited(memory):
         for number, seed in enumerate(range(given.begin, given.begin + given.count), 1):
             attack(watch, seed, folder)
             if number % given.show == 0 or number == given.count:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 from ddgfab.errors import InputError, OutputError
+from ddgfab.io.atomic import atomic_write
 from fabrication.job.folder import OutputFolder
 from fabrication.job.manifest import (
     build_manifest,
@@ -129,6 +131,33 @@ def test_a_full_disk_ends_in_one_message(tmp_path: Path) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
     assert len(str(caught.value).splitlines()) <= 3
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_cannot_be_written_is_named_where_it_was_to_be(tmp_path: Path) -> None:
+    """As a process of the job says it: an error with a text, about the folder it was given."""
+    target = tmp_path / "out"
+
+    def fail() -> None:
+        with OutputFolder(target) as folder, atomic_write(folder / "a.csv"):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    with pytest.raises(OutputError) as caught:
+        fail()
+    first, second = str(caught.value).splitlines()
+    assert first.startswith(f"{target / 'a.csv'}: cannot be written: the disk is full")
+    assert second == "Nothing was written."
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links need rights on Windows")
+@pytest.mark.parametrize("name", ["one", "one/out"])
+def test_links_in_a_circle_are_named(tmp_path: Path, name: str) -> None:
+    (tmp_path / "one").symlink_to("two")
+    (tmp_path / "two").symlink_to("one")
+    with pytest.raises(OutputError, match="links lead in a circle"):
+        OutputFolder(tmp_path / name).check()
+    with pytest.raises(OutputError, match="no such place"):
+        OutputFolder("a\x00b")
 
 
 def test_a_parent_that_cannot_be_written_is_named(tmp_path: Path) -> None:
