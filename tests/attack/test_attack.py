@@ -6,11 +6,13 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+import disks
 import export_files
 import kills
 import mesh_files
 import projects
 import pytest
+import rhino_files
 import step_files
 import structures
 from watch import Watch, limited
@@ -41,6 +43,31 @@ def test_inputs_that_are_changed_end_with_a_result_or_a_message(
             attack(watch, seed, tmp_path)
     assert watch.bad == []
     assert watch.outcomes["passed"] >= least
+
+
+def test_damaged_rhino_files_end_with_a_message(tmp_path: Path) -> None:
+    pytest.importorskip("rhino3dm")
+    watch = Watch()
+    with limited():
+        for seed in range(8):
+            rhino_files.attack(watch, seed, tmp_path)
+    assert watch.bad == []
+    assert watch.outcomes["refused"] > 0
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="mounting needs root")
+def test_full_disks_leave_what_was_there(tmp_path: Path) -> None:
+    watch = Watch()
+    try:
+        with disks.disk(tmp_path / "try", 4096):
+            pass
+    except PermissionError as error:
+        pytest.skip(f"cannot mount here: {error}")
+    with limited(disks.DRAWING):
+        for seed in range(4):
+            disks.attack(watch, seed, tmp_path)
+    assert watch.bad == []
+    assert watch.outcomes["refused"] > 0
 
 
 def test_damaged_step_files_end_with_a_message(tmp_path: Path) -> None:

@@ -49,11 +49,13 @@ class Watch:
         self.outcomes: Counter[str] = Counter()
         self.slowest = (0.0, "none")
         self.calls = 0
+        self._renew = 0.0
 
     def call(self, name: object, function: Callable[[], Any], seconds: float = SECONDS) -> Any:
         """What a function gives; None where it raised. `name` tells a bad case: a seed."""
-        if self.calls % 1000 == 0:
+        if time.monotonic() > self._renew:
             faulthandler.dump_traceback_later(DEAF, exit=True)
+            self._renew = time.monotonic() + DEAF / 20
         self.calls += 1
         begin = time.process_time()
         result = None
