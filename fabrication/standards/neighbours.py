@@ -99,6 +99,6 @@ def _away(given: Sequence[float], known: Sequence[float]) -> float:
     """The greatest ratio of sizes (logarithm) in any order, over all ways to leave some out."""
     few, many = sorted((sorted(given), sorted(known)), key=len)
     return min(
-        max(abs(math.log(max(a, 1e-9) / b)) for a, b in zip(few, chosen, strict=True))
+        max(abs(math.log(max(a, 1e-9) / max(b, 1e-9))) for a, b in zip(few, chosen, strict=True))
         for chosen in combinations(many, len(few))
     )

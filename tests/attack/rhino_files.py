@@ -26,7 +26,7 @@ from fabrication.meshes_in import read_mesh  # noqa: E402
 
 @cache
 def sound_file() -> bytes:
-    """A mesh of four quads and two triangles, a curve and a sphere."""
+    """A mesh of four quads and a triangle, a curve and a sphere."""
     import rhino3dm
 
     model, mesh = rhino3dm.File3dm(), rhino3dm.Mesh()
@@ -36,7 +36,9 @@ def sound_file() -> bytes:
         mesh.Vertices.Add(*point)
     for face in roof.faces:
         mesh.Faces.AddFace(*map(int, face))
-    mesh.Faces.AddFace(0, 1, 3)
+    for corner in ((9e3, 0.0, 0.0), (1e4, 0.0, 0.0), (9e3, 1e3, 0.0)):
+        mesh.Vertices.Add(*corner)
+    mesh.Faces.AddFace(*range(len(roof.vertices), len(roof.vertices) + 3))
     model.Objects.AddMesh(mesh)
     model.Objects.AddLine(rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(1, 0, 0))
     model.Objects.AddSphere(rhino3dm.Sphere(rhino3dm.Point3d(0, 0, 0), 5.0))

@@ -53,6 +53,8 @@ def test_damaged_rhino_files_end_with_a_message(tmp_path: Path) -> None:
             rhino_files.attack(watch, seed, tmp_path)
     assert watch.bad == []
     assert watch.outcomes["refused"] > 0
+    (tmp_path / "a.3dm").write_bytes(rhino_files.sound_file())
+    assert rhino_files.read_mesh(tmp_path / "a.3dm").mesh.n_faces == 5
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="mounting needs root")

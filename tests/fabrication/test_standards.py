@@ -98,6 +98,8 @@ def test_en_10219_mass_of_a_hollow_section() -> None:
         ("RHS 60x120", ["thickness missing", "near: RHS 120x60x4, RHS 120x60x5, RHS 120x60x6"]),
         ("RHS 50x100", ["thickness missing", "near: RHS 100x50x4, RHS 100x50x5"]),
         ("RHS 5x60x120", ["depth 5 mm", "near: RHS 120x60x5"]),
+        ("RHS 0x1x40x3", ["near:"]),
+        ("RHS " + "1x" * 36 + "5", ["near:"]),
         ("RHS 120 x 60 x 5 mm", ["near: RHS 120x60x5"]),
         ("rhs 120x60x5,0", ["near: RHS 120x60x5"]),
         ("RHS 120*60*5.5", ["near: RHS 120x60x5.5"]),
