@@ -22,6 +22,7 @@ _BETWEEN: Final = re.compile(r"(?<=\d)\s*(?:mm)?\s*[x*×/]\s*(?=\d)", re.IGNOREC
 _NUMBER: Final = r"\d+(?:\.\d+)?"
 _FORM: Final = re.compile(rf"\s*([A-Za-z]+)[\s:.-]*({_NUMBER}(?:x{_NUMBER})*)x?\s*(?:mm)?\s*")
 _LONGEST: Final = 80  # characters of a text that is looked at
+_MOST_SIZES: Final = 6  # of a designation that are compared: all ways to leave some out are tried
 _ALIASES: Final = {
     "RRO": "RHS",
     "RECT": "RHS",
@@ -63,7 +64,7 @@ def near_profiles(text: str, valid: Callable[[str], bool]) -> list[str]:
     if found is None:
         names = [name for rule in families.values() for name in rule["common"]]
         return nearest(text, names) or ["FL 60x8", "RHS 120x60x5", "T 60x60x7"]
-    family, sizes = found
+    family, sizes = found[0], found[1][:_MOST_SIZES]
     meant = [written(family, sizes)] if len(sizes) == len(families[family]["dimensions"]) else []
     if family == "SHS" and len(sizes) == 3:
         # A square section written with both sides; with two sides that differ it is none.
