@@ -247,6 +247,12 @@ def test_a_killed_job_leaves_no_workers(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+def as_in_a_terminal() -> None:
+    """Signals that are ignored stay so in children: Ctrl-C in the background, SIGHUP by nohup."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
 def running(folder: Path) -> subprocess.Popen[str]:
     """A job with two workers in a session of its own, as it makes parts."""
     words = ["make", "roof.obj", "-o", "out", "--jobs", "2"]
@@ -256,8 +262,7 @@ def running(folder: Path) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        # Whoever runs the tests in the background has Ctrl-C ignored, and children take that over.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        preexec_fn=as_in_a_terminal,
         env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])},
     )
     assert job.stderr is not None
