@@ -6,7 +6,7 @@ exist on flattened surfaces only. What is kept smooth here is the movement.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -94,6 +94,23 @@ class Weights:
             fair=fair,
             along=_ALONG * (knob / KEEP["balanced"]) ** 2,
             rim=_GLIDE if glide else _RIM,
+        )
+
+    def coarser(self, scale: float) -> Weights:
+        """The same energy, but for a factor, on a mesh of `scale` times as long edges.
+
+        It has fewer vertices, and the same movement is shorter in its mean edges and bends more
+        from edge to edge. Weights of its own would aim at another surface than the fine mesh does.
+        """
+        square = scale**2
+        return replace(
+            self,
+            strain=self.strain / square,
+            fair=max(self.fair / square**2, min(self.fair, _FAIR_RANGE[0])),
+            along=self.along / square**2,
+            stretch=self.stretch / square,
+            rim=self.rim if self.rim >= _GLIDE else self.rim / scale,
+            corner=self.corner / square,
         )
 
 

@@ -96,6 +96,13 @@ def violation(problem: Problem, x: Floats) -> float:
     return max(flat, *(float(np.abs(r).max(initial=0.0)) for r in hard), 0.0)
 
 
+def weights_of(
+    mesh: Mesh, goal: NetGoal, keep: Keep | float, constraints: Constraints
+) -> Weights:
+    """Weights of the energy of a goal on a mesh whose mean edge is one."""
+    return goal.weights(Weights.of(mesh, keep, glide=constraints.glide))
+
+
 def net_problem(
     mesh: Mesh,
     goal: NetGoal,
@@ -107,6 +114,7 @@ def net_problem(
     movement: float | None = None,
     extra: Sequence[Term] = (),
     rim: Mesh | None = None,
+    weights: Weights | None = None,
 ) -> Problem:
     """Energy, barriers and equations of a goal on a mesh whose mean edge is one.
 
@@ -116,11 +124,13 @@ def net_problem(
     movement : greatest of a vertex, in mean edges
     extra : further soft terms on the vertices
     rim : whose boundary that of the mesh stays near to; the mesh itself by default
+    weights : of the energy; those for the mesh by default, see `weights_of`
     """
     given = constraints or Constraints(np.zeros(0, dtype=np.int64), glide=False)
     fixed = np.arange(mesh.n_vertices) if goal.still else given.fixed
     problem = Problem.build(mesh, blocks=goal.blocks(mesh), fixed=fixed)
-    weights = goal.weights(Weights.of(mesh, keep, glide=given.glide))
+    if weights is None:
+        weights = weights_of(mesh, goal, keep, given)
     smooth = None if surface is None else SmoothSurface(surface)
     kept = energy(mesh, weights, smooth, features, rim)
     following: list[Following] = [t for t in kept if isinstance(t, NearSurface | NearRim)]

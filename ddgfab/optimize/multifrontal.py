@@ -52,7 +52,10 @@ class _Analysis:
     def __init__(self, pattern: csr_array, node: Ints, places: Floats) -> None:
         size, count = pattern.shape[0], int(node[-1]) + 1
         rows = np.repeat(np.arange(size), np.diff(pattern.indptr))
-        self.keys: Ints = rows * size + pattern.indices  # sorted, as the pattern is
+        # the numbers of the entries, from one on, as entries: exact up to 2^53
+        self.numbers = csr_array(
+            (np.arange(1.0, pattern.nnz + 1), pattern.indices, pattern.indptr), shape=pattern.shape
+        )
         coupled = coo_array(
             (np.ones(len(rows), dtype=np.int8), (node[rows], node[pattern.indices])),
             shape=(count, count),
@@ -127,25 +130,25 @@ class Multifrontal:
             The matrix is not positive definite.
         """
         matrix.sum_duplicates()  # sorts columns, too
-        size = matrix.shape[0]
-        keys = np.repeat(np.arange(size), np.diff(matrix.indptr)) * size + matrix.indices
-        at = self._where(keys)
+        at = self._where(matrix)
         if at is None:
             self._widen(matrix)
-            at = self._where(keys)
+            at = self._where(matrix)
         assert self._analysis is not None
         assert at is not None
-        values = np.zeros(len(self._analysis.keys))
+        values = np.zeros(self._analysis.numbers.nnz)
         values[at] = matrix.data
         return Factor(self._analysis, values[self._analysis.kept])
 
-    def _where(self, keys: Ints) -> Ints | None:
+    def _where(self, matrix: csr_array) -> Ints | None:
         """Where entries are in the pattern that was analyzed; None if it lacks some."""
         if self._analysis is None:
             return None
-        known = self._analysis.keys
-        at = np.minimum(np.searchsorted(known, keys), len(known) - 1)
-        return at if np.array_equal(known[at], keys) else None
+        ones = np.ones(len(matrix.indices))
+        found = self._analysis.numbers.multiply(
+            csr_array((ones, matrix.indices, matrix.indptr), shape=matrix.shape)
+        )
+        return found.data.astype(np.int64) - 1 if found.nnz == matrix.nnz else None
 
     def _widen(self, matrix: csr_array) -> None:
         """Analyze a pattern that holds all seen so far; nodes are coupled as a whole."""

@@ -23,9 +23,11 @@ LEAST_FACES: Final = 4000
 _COARSEST: Final = 1600
 """Meshes of fewer faces are not made coarser."""
 _TOLERANCE: Final = 2e-3
-"""Violation that is enough for coarse meshes."""
-NESTED: Final = PathOptions(first_penalty=2.0**14, on_the_way=True)
-"""How a path goes on from a coarser mesh: softer penalties would let go of what was reached."""
+"""Violation that is enough for coarse meshes, times their mean edge in those of the mesh: the faces
+of the same smooth surface are flatter by that factor on the mesh."""
+NESTED: Final = PathOptions(first_penalty=2.0**14, longest_step=2.0, on_the_way=True)
+"""How a path goes on from a coarser mesh: softer penalties would let go of what was reached, and
+what is left to do is smooth and long in the edges of a fine mesh."""
 
 
 def nested_start(
@@ -72,7 +74,7 @@ def nested_start(
         path = follow(
             problem,
             partial(violation, problem),
-            replace(options, tolerance=max(tolerance, _TOLERANCE)),
+            replace(options, tolerance=max(tolerance, _TOLERANCE) * max(1.0, frame.unit)),
             progress,
         )
         if path.status != "converged":

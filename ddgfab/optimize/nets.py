@@ -15,7 +15,14 @@ from ddgfab.optimize.advice import advice_of, complaint, missed_text, remarks_of
 from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.forecast import forecast_of
 from ddgfab.optimize.frame import Frame, element_ids
-from ddgfab.optimize.goal import EXACT, NetGoal, net_problem, planarity_of, violation
+from ddgfab.optimize.goal import (
+    EXACT,
+    NetGoal,
+    net_problem,
+    planarity_of,
+    violation,
+    weights_of,
+)
 from ddgfab.optimize.limits import Limits, ids
 from ddgfab.optimize.nested import LEAST_FACES, NESTED, begun, nested_start, usable
 from ddgfab.optimize.panes import pane_lengths
@@ -201,6 +208,9 @@ class _Task:
             surface=inner.inside(self.mesh if self.surface is None else self.surface),
             rim=inner.inside(self.mesh if self.rim is None else self.rim),
             movement=None if limit is None else limit / (self.frame.unit * inner.unit),
+            weights=weights_of(self.mesh, self.goal, self.keep, self.constraints).coarser(
+                max(1.0, inner.unit)
+            ),
         )
 
     def result(

@@ -38,7 +38,8 @@ class PathOptions:
     longest_step: float = 0.5
     """No vertex moves further in a step."""
     on_the_way: bool = False
-    """The start comes from elsewhere: it is walked from even where it meets the goal already."""
+    """The start comes from elsewhere: it is walked from even where it meets the goal already, and
+    stages end when the merit falls little."""
     max_steps: int = 120
     """Steps before giving up."""
     max_penalty: float = 1e13
@@ -73,8 +74,8 @@ _SHORTER, _SHORTENINGS, _ARMIJO = 0.4, 7, 1e-4
 """Line search: factor of the length, how often, part of the promised decrease that is enough."""
 _FALL, _LONG, _SHORT = 0.05, 0.05, 1e-3
 """A stage ends when the merit falls by a smaller part in a step that is not long, or a step is very
-short. Long steps that hardly pay are the way round a bend of the equations: a heavier penalty would
-end there."""
+short. Long steps that hardly pay are the way round a bend of the equations, a heavier penalty would
+end there; a start on the way has the bend behind it."""
 _COARSE = 1e-3
 """Violation from which on the last digits are left to the polish."""
 _STIFF = 1e9
@@ -163,7 +164,8 @@ class _Walker:
             if longest == 0.0:
                 break
             taken += 1
-            if longest < _SHORT or (fall < _FALL and longest < _LONG):
+            slow = fall < _FALL and (longest < _LONG or self.options.on_the_way)
+            if longest < _SHORT or slow:
                 break
         return taken
 

@@ -86,8 +86,7 @@ class _Tree(ABC):
                 candidate = which[row, first + column]
                 feet = self.feet(points[at], candidate)
                 away = np.linalg.norm(feet - points[at], axis=1)
-                order = np.lexsort((away, at))
-                head = order[np.diff(at[order], prepend=-1) > 0]  # the nearest of each point
+                head = _first_least(at, away)  # the nearest of each point
                 head = head[away[head] < least[at[head]]]
                 foot[at[head]], shape[at[head]] = feet[head], candidate[head]
                 least[at[head]] = away[head]
@@ -95,6 +94,17 @@ class _Tree(ABC):
             if count == len(one.ids):
                 break
             rest, done, count = rest[open_], count, 2 * count
+
+
+def _first_least(group: Ints, values: Floats) -> Ints:
+    """For each group, equal numbers in a row, where its least value is; the first of equals."""
+    start = np.flatnonzero(np.diff(group, prepend=-1) > 0)
+    if not len(start):
+        return start
+    least = np.minimum.reduceat(values, start)
+    sizes = np.diff(start, append=len(group))
+    hits = np.flatnonzero(values == np.repeat(least, sizes))
+    return hits[np.diff(group[hits], prepend=-1) > 0]
 
 
 class SegmentTree(_Tree):
