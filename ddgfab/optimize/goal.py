@@ -96,9 +96,7 @@ def violation(problem: Problem, x: Floats) -> float:
     return max(flat, *(float(np.abs(r).max(initial=0.0)) for r in hard), 0.0)
 
 
-def weights_of(
-    mesh: Mesh, goal: NetGoal, keep: Keep | float, constraints: Constraints
-) -> Weights:
+def weights_of(mesh: Mesh, goal: NetGoal, keep: Keep | float, constraints: Constraints) -> Weights:
     """Weights of the energy of a goal on a mesh whose mean edge is one."""
     return goal.weights(Weights.of(mesh, keep, glide=constraints.glide))
 

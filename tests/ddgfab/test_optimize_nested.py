@@ -7,12 +7,15 @@ import pytest
 from optimize_meshes import dome, hexagons, torus, wavy
 
 from ddgfab.measures import planarity_percent
-from ddgfab.mesh import Mesh
+from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import PathOptions, optimize
 from ddgfab.optimize import nets as reaching
 from ddgfab.optimize.coarse import coarsened
+from ddgfab.optimize.energy import Weights, energy
+from ddgfab.optimize.frame import Frame
 from ddgfab.optimize.goals import PLANAR
 from ddgfab.optimize.limits import Limits
+from ddgfab.optimize.terms.base import LinearTerm, VectorTerm
 
 
 def test_every_other_line_is_left_out() -> None:
@@ -57,6 +60,31 @@ def test_meshes_that_do_not_fit_have_no_coarser_one() -> None:
     both = coarsened(pieces)
     assert both is not None
     assert both.mesh.n_faces == 8
+
+
+def test_a_coarse_mesh_has_the_energy_of_the_fine_one() -> None:
+    """Of a smooth movement, but for one factor: the fourth power of the ratio of mean edges."""
+    mesh = dome(32)
+    mesh = Frame.of(mesh).inside(mesh)
+    coarse = coarsened(mesh)
+    assert coarse is not None
+    scale = float(coarse.mesh.edge_lengths.mean())
+    small = coarse.mesh.with_vertices(coarse.mesh.vertices / scale)
+    waves = np.array([[0.05, 0.02, 0.0], [0.0, 0.04, 0.03], [0.06, 0.0, 0.01]])
+    move = np.sin(mesh.vertices @ waves)
+    weights = Weights(fair=10.0)
+
+    def parts(one: Mesh, by: Floats, given: Weights) -> dict[str, float]:
+        terms = [t for t in energy(one, given) if isinstance(t, VectorTerm | LinearTerm)]
+        moved = (one.vertices + by).ravel()
+        found = {t.name: t.weight * float((t.residual(moved) ** 2).sum()) for t in terms[:-1]}
+        return found | {"corner": terms[-1].weight * float((terms[-1].residual(moved) ** 2).sum())}
+
+    fine = parts(mesh, move, weights)
+    rough = parts(small, move[coarse.kept] / scale, weights.coarser(scale))
+    assert len(fine) == 5
+    for name, value in fine.items():
+        assert rough[name] * scale**4 == pytest.approx(value, rel=0.25), name
 
 
 def test_results_from_a_coarser_mesh_are_as_good(monkeypatch: pytest.MonkeyPatch) -> None:
