@@ -40,7 +40,6 @@ def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
     """
     turned = _turned(gridshell.beams, families)
     size = gridshell.project.connection.bolt
-    depth = gridshell.joined.depth
     rows = []
     for bolt in gridshell.bolts:
         (_, node_hole), (_, beam_hole) = bolt.holes
@@ -67,7 +66,7 @@ def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
                 "grip_mm": bolt.grip,
                 "thread_mm": bolt.thread,
                 "node_hole_mm": node_hole,
-                "node_hole_depth_mm": depth,
+                "node_hole_depth_mm": bolt.depth,
                 "beam_hole_mm": beam_hole,
                 "x_mm": x,
                 "y_mm": y,

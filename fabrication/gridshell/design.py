@@ -220,7 +220,7 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     net = replace(net, notes=(*net.notes, *on_axes, *([sideways] if sideways else [])))
     stop("support structure")
     start("detail")
-    gridshell = detail(net.mesh, support, project)
+    gridshell = detail(net.mesh, support, project, net.groups)
     net = replace(net, notes=(*net.notes, *_unlikely(project, net.mesh, gridshell)))
     grouped = families(gridshell.pieces, gridshell.family_tolerance)
     stop("detail")

@@ -11,10 +11,11 @@ from pydantic import ValidationError
 from ddgfab.forms.registry import ParameterError, find_generator, kinds
 from ddgfab.surfaces.analytic import SURFACES, surface_parameters
 from fabrication.gridshell.net_settings import MESH, SURFACE, NetSettings
-from fabrication.gridshell.part_settings import BeamRule
+from fabrication.gridshell.part_settings import BeamRule, NodeRule, NodeSettings
 from fabrication.gridshell.project import Project
 from fabrication.project.load import explain, sections_in, show, unknown
 from fabrication.project.read import Changes, Origin, changed, read_toml
+from fabrication.project.sections import Section
 from fabrication.surfaces_in.find import CAD_SUFFIXES
 
 KIT = "linkage"
@@ -102,34 +103,60 @@ def _project(values: Mapping[str, Any], file: Path | None, origin: Origin) -> Pr
         raise explain(error, Project, origin) from None
 
 
+RULED: Final[dict[str, tuple[type[Section], str, str]]] = {
+    "beam": (BeamRule, "profile", "the profile"),
+    "node": (NodeRule, "", "what sizes nodes"),
+}
+"""Sections that may stand several times, with rules for places: what a rule is, the key that it
+must have, and what it changes."""
+
+
 def _with_rules(values: Mapping[str, Any], origin: Origin) -> dict[str, Any]:
-    """[[beam]] tables as one section: that without `where`, and the others as its rules."""
-    tables = values.get("beam")
-    if not isinstance(tables, list) or not all(isinstance(t, Mapping) for t in tables):
-        return dict(values)
+    """[[beam]] and [[node]] tables as one section each: that without `where`, the others as rules.
+
+    Raises
+    ------
+    ProjectError
+        Several tables without where, unknown or missing keys.
+    """
+    out = dict(values)
+    for section in RULED:
+        tables = values.get(section)
+        if isinstance(tables, list) and all(isinstance(t, Mapping) for t in tables):
+            out[section] = _ruled(section, tables, origin)
+    return out
+
+
+def _ruled(section: str, tables: list[Mapping[str, Any]], origin: Origin) -> dict[str, Any]:
+    """One section of its [[...]] tables."""
+    model, needed, what = RULED[section]
     plain = [table for table in tables if "where" not in table]
     if len(plain) > 1:
         raise origin.error(
-            f"{len(plain)} [[beam]] tables have no where: one is for all beams, the others need "
-            'where = "boundary" or edge numbers',
-            "beam",
+            f"{len(plain)} [[{section}]] tables have no where: one is for all {section}s, the "
+            'others need where = "boundary", "group:NAME" or numbers',
+            section,
         )
     own = dict(plain[0]) if plain else {}
     if "rules" in own:
-        raise origin.error("[[beam]] rules: give each rule a [[beam]] table of its own", "beam")
+        raise origin.error(
+            f"[[{section}]] rules: give each rule a [[{section}]] table of its own", section
+        )
     rules = [dict(table) for table in tables if "where" in table]
-    known = BeamRule.keys()
+    known = model.keys() | (NodeSettings.ruled() if section == "node" else set())
     for number, rule in enumerate(rules, 1):
         for key in rule:
             if key not in known:
                 raise origin.error(
-                    f"[[beam]] rule {number}: {unknown(key, key, known)}; tables with where change "
-                    "the profile",
-                    "beam",
+                    f"[[{section}]] rule {number}: {unknown(key, key, known)}; tables with where "
+                    f"change {what}",
+                    section,
                 )
-        if missing := sorted(known - set(rule)):
-            raise origin.error(f"[[beam]] rule {number} needs {missing[0]}", "beam")
-    return {**values, "beam": {**own, "rules": rules}}
+        if needed and needed not in rule:
+            raise origin.error(f"[[{section}]] rule {number} needs {needed}", section)
+        if len(rule) == 1:
+            raise origin.error(f"[[{section}]] rule {number} changes nothing but where", section)
+    return {**own, "rules": rules}
 
 
 def _traced(net: dict[str, Any], origin: Origin) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,10 +12,11 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.forms.generators import GENERATORS
 from ddgfab.forms.registry import find_generator, generate
-from ddgfab.io import SHORTEST_MEDIAN_MM, ReadResult, likely_setting, unlikely_size
-from ddgfab.mesh import Floats, Mesh
+from ddgfab.io import SHORTEST_MEDIAN_MM, Groups, ReadResult, likely_setting, unlikely_size
+from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.support import SupportKind
 from ddgfab.surfaces.spline import SplineSurface
+from ddgfab.trace.mesh import TAGS
 from fabrication.gridshell.net_settings import MESH, SURFACE
 from fabrication.gridshell.project import Project
 from fabrication.gridshell.traced import traced_net
@@ -33,7 +34,9 @@ class NetInput:
     The file is that of the mesh, or of the combinatorics that a generated net starts from; None
     where there is none. axes : (V, 3) node axes that the file carries, or None. surfaces : what a
     traced net was traced on; reference : the same as a fine mesh, what its optimisation stays near
-    to. origin : what was subtracted from the coordinates of a file that lies far from its own [mm]
+    to. origin : what was subtracted from the coordinates of a file that lies far from its own [mm].
+    groups : named vertices and edges: of an OBJ file, or "rim", "corner" and "inner" of a net that
+    was traced
     """
 
     mesh: Mesh
@@ -44,6 +47,7 @@ class NetInput:
     surfaces: tuple[SplineSurface, ...] = ()
     reference: Mesh | None = None
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    groups: Groups = field(default_factory=Groups)
 
 
 def support_kind(project: Project) -> SupportKind:
@@ -95,7 +99,13 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
         return NetInput(mesh.scaled(factor), None, None, _notes(project))
     x, y, z = (read.origin * factor).tolist()
     return NetInput(
-        mesh.scaled(factor), read.file, read.sha256, read.notes, read.axes, origin=(x, y, z)
+        mesh.scaled(factor),
+        read.file,
+        read.sha256,
+        read.notes,
+        read.axes,
+        origin=(x, y, z),
+        groups=read.groups,
     )
 
 
@@ -118,7 +128,28 @@ def _traced(project: Project) -> NetInput:
     file, digest = None, None
     if path is not None:
         file, digest = str(path), hashlib.sha256(path.read_bytes()).hexdigest()
-    return NetInput(found.mesh, file, digest, notes, None, found.surfaces, found.reference)
+    groups = tag_groups(found.mesh, found.tag)
+    return NetInput(
+        found.mesh, file, digest, notes, None, found.surfaces, found.reference, groups=groups
+    )
+
+
+def tag_groups(mesh: Mesh, tag: Ints) -> Groups:
+    """Groups of a traced net by the tags (V,) of its vertices: "inner", "rim" and "corner".
+
+    The rim has the edges at the boundary and their vertices, corners too; "inner" has the other
+    vertices, and the edges between them.
+    """
+    rim = (mesh.edge_faces < 0).any(axis=1)
+    used = mesh.valences > 0
+    inner = (tag == 0) & used
+    return Groups.of(
+        {
+            "rim": (np.flatnonzero((tag > 0) & used), mesh.edges[rim]),
+            "corner": (np.flatnonzero(tag == TAGS.index("corner")), []),
+            "inner": (np.flatnonzero(inner), mesh.edges[inner[mesh.edges].all(axis=1)]),
+        }
+    )
 
 
 def _read(project: Project, path: Path) -> ReadResult:

@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Final, Literal, Protocol, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from ddgfab.errors import ProjectError, clipped
 from ddgfab.suggest import suggestion
 from fabrication.gridshell.detailing.connections import registry as connections
 from fabrication.gridshell.detailing.nodes import registry as nodes
+from fabrication.gridshell.where import Edges, Rule, Vertices, shown
 from fabrication.project.sections import Finite, NotNegative, Positive, Section
 from fabrication.specs import Profile
 from fabrication.standards import density, polygon, profile, stock_size
@@ -46,16 +47,16 @@ class _WithProfile(Section):
         return _section(self.profile)
 
 
-class BeamRule(_WithProfile):
+class BeamRule(_WithProfile, Rule):
     """[[beam]] with `where`: beams of one place.
 
     Attributes
     ----------
-    where : "boundary", or edge numbers as in beams.csv
+    where : "boundary", "group:NAME" (a group of the mesh file), or edge numbers as in beams.csv
     profile : as in [beam]
     """
 
-    where: Literal["boundary"] | Annotated[tuple[int, ...], Field(strict=False)]
+    where: Edges
 
 
 class BeamSettings(_WithProfile):
@@ -122,6 +123,19 @@ class _WithKind(Section):
         return self
 
 
+class NodeRule(Rule):
+    """[[node]] with `where`: nodes of one place; any other key of [node] that sizes them.
+
+    Attributes
+    ----------
+    where : "boundary", "group:NAME" (a group of the mesh file), or vertex numbers as in nodes.csv
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    where: Vertices
+
+
 class NodeSettings(_WithKind):
     """[node].
 
@@ -137,6 +151,7 @@ class NodeSettings(_WithKind):
     margin_mm, top_margin_mm : how far a node reaches below and above its arms' end faces
     height_step_mm : top and bottom are rounded outwards to multiples of it
     grade : for the order, as of beams
+    rules : nodes of one place; in a file [[node]] tables, the first without `where`
     density : kg/m3; default steel, EN 1991-1-1
     """
 
@@ -152,7 +167,38 @@ class NodeSettings(_WithKind):
     top_margin_mm: NotNegative = 0.5
     height_step_mm: Positive = 1.0
     grade: str = ""
+    rules: tuple[NodeRule, ...] = Field(default=(), strict=False)
     density: Positive = density("steel")
+
+    @classmethod
+    def ruled(cls) -> set[str]:
+        """The keys that a [[node]] table with `where` may have beside it."""
+        return cls.keys() - {"rules", "grade", "density"}
+
+    @model_validator(mode="after")
+    def _rules_hold(self) -> NodeSettings:
+        for number, rule in enumerate(self.rules, 1):
+            try:
+                self.under(rule)
+            except ValidationError as error:
+                first = error.errors(include_url=False)[0]
+                key = ".".join(map(str, first["loc"]))
+                text = str(first.get("ctx", {}).get("error", first["msg"]))
+                raise ValueError(
+                    f"rule {number} (where = {shown(rule.where)}): {key} {text}".replace("  ", " ")
+                ) from None
+        return self
+
+    def under(self, rule: NodeRule) -> NodeSettings:
+        """These settings with those of a rule; keys that its kind of node does not have go."""
+        own = self.model_dump(exclude={"rules"}, exclude_defaults=True)
+        kind = rule.own().get("kind", self.kind)
+        kept = {
+            key: value
+            for key, value in own.items()
+            if not (kinds := self.registry.kinds_of(key)) or kind in kinds
+        }
+        return type(self).model_validate({**kept, **rule.own()}, strict=None)
 
 
 class ConnectionSettings(_WithKind):

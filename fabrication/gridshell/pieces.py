@@ -5,10 +5,10 @@ Millimetres and radians. What is made of them is in `fabrication.parts`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ddgfab.mesh import Floats
-from fabrication.gridshell.detailing.connections.base import Mounted
+from fabrication.gridshell.detailing.connections.base import Joined, Mounted
 from fabrication.parts.beam import BEAM
 from fabrication.parts.fastener import FASTENER, FastenerShape
 from fabrication.parts.node import NODE
@@ -46,6 +46,7 @@ class Beam:
     roll : angle [rad] about the beam's x axis from its z axis to the node axis, at start and end;
         0 without torsion, otherwise half of it to either side
     offsets : from the node axes to the cuts, along the datum of the profile [mm], at start and end
+    joined : how it is joined at start and end; None where nothing is known of it
     """
 
     mark: str
@@ -61,6 +62,7 @@ class Beam:
     checks: tuple[Check, ...] = ()
     roll: tuple[float, float] = (0.0, 0.0)
     offsets: tuple[float, float] = (0.0, 0.0)
+    joined: tuple[Joined, Joined] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +110,7 @@ class Bolt:
     holes : marks and diameters [mm] of the holes on the axis
     span : from where to where along the axis, from the point [mm], there are holes
     grip, thread : what it clamps, and the complete thread in the node [mm], None without
+    depth : of its hole in the node [mm], None: through
     """
 
     mark: str
@@ -121,6 +124,11 @@ class Bolt:
     span: tuple[float, float]
     grip: float
     thread: float | None
+    depth: float | None
+
+    def named(self, mark: str) -> Bolt:
+        """The same with a mark."""
+        return replace(self, mark=mark)
 
 
 @dataclass(frozen=True, eq=False)

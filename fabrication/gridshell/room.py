@@ -98,7 +98,7 @@ def _clear(design: Design, support: SupportStructure, gap: float) -> bool:
     panel = project.panel.model_copy(update={"gap_mm": gap})
     project = project.model_copy(update={"panel": panel})
     try:
-        made = detail(design.mesh, support, project)
+        made = detail(design.mesh, support, project, design.source.groups)
     except DetailError:
         return False
     parts = families(made.pieces, project.checks.family_tolerance_mm)

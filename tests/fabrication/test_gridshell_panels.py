@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from fabrication.gridshell.detailing.clearance import steel_heights
 from fabrication.gridshell.detailing.frames import edge_frames
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.detailing.panels import face_planes
+from fabrication.gridshell.detailing.places import NO_GROUPS, Net
 from fabrication.gridshell.detailing.sections import beam_sections
 from fabrication.gridshell.pieces import Panel
 from fabrication.solids.polygon import area, least_rectangle, turns
@@ -124,8 +124,8 @@ def test_steel_includes_the_near_flank_of_wide_beams() -> None:
         planes,
         frames,
         np.full(case.mesh.n_vertices, -1e3),
-        replace(shell.size, radius=0.0),
-        beam_sections(case.mesh, shell.project),
+        np.zeros(case.mesh.n_vertices),
+        beam_sections(Net(case.mesh, NO_GROUPS), shell.project),
         shell.project,
     )
     for panel in shell.panels:

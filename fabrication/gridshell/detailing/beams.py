@@ -8,7 +8,7 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats, Mesh
-from fabrication.gridshell.detailing.connections.base import Joined, Tongue
+from fabrication.gridshell.detailing.connections.base import Joined
 from fabrication.gridshell.detailing.frames import (
     EdgeFrames,
     beam_mark,
@@ -16,7 +16,7 @@ from fabrication.gridshell.detailing.frames import (
     node_mark,
     panel_mark,
 )
-from fabrication.gridshell.detailing.nodes.base import NodeSize
+from fabrication.gridshell.detailing.joining import Ends
 from fabrication.gridshell.detailing.sections import Sections
 from fabrication.gridshell.pieces import Beam
 from fabrication.gridshell.project import Project
@@ -36,13 +36,13 @@ class Cuts:
     stretch: Floats
 
 
-def end_cuts(frames: EdgeFrames, size: NodeSize, eccentricity: float) -> Cuts:
-    """Cuts parallel to the node axes and `size.cut` away from them.
+def end_cuts(frames: EdgeFrames, cut: Floats, eccentricity: float) -> Cuts:
+    """Cuts parallel to the node axes and `cut` (E, 2) away from them [mm].
 
     The beams are moved up by `eccentricity` [mm].
     """
     stretch = np.hypot(np.hypot(1.0, frames.slope), frames.skew)
-    x = frames.slope * eccentricity + size.cut * stretch * [1.0, -1.0]
+    x = frames.slope * eccentricity + cut * stretch * [1.0, -1.0]
     x[:, 1] += frames.length
     return Cuts(x, stretch)
 
@@ -51,9 +51,8 @@ def beam_specs(
     mesh: Mesh,
     frames: EdgeFrames,
     cuts: Cuts,
-    size: NodeSize,
+    ends: Ends,
     sections: Sections,
-    joined: Joined,
     project: Project,
 ) -> tuple[Beam, ...]:
     """A beam for every edge.
@@ -63,21 +62,19 @@ def beam_specs(
     DetailError
         A beam shorter than the project's least length, or than its connections.
     """
-    _check_lengths(mesh, frames, cuts, sections, joined, project)
+    _check_lengths(mesh, frames, cuts, sections, ends, project)
     _check_coped(frames, project)
     placements = np.zeros((mesh.n_edges, 4, 4))
     placements[:, :3, 0], placements[:, :3, 1], placements[:, :3, 2] = frames.x, frames.y, frames.z
     origin = mesh.vertices[mesh.edges[:, 0]] + project.beam.eccentricity_mm * frames.z
     origin += cuts.x[:, :1] * frames.x  # x = 0 where the first cut meets the datum
     lengths = cuts.x[:, 1] - cuts.x[:, 0]
-    offsets = size.cut * cuts.stretch
+    offsets = ends.cut * cuts.stretch
     placements[:, :3, 3], placements[:, 3, 3] = origin, 1.0
     placements.setflags(write=False)
-    radius = size.cut if project.beam.end == "cope" else None
-    tongue = joined.tongue
-    slot = None if tongue is None else SlotEnd(tongue.slot, tongue.depth)
-    holes = [] if tongue is None else _cross_holes(frames, lengths, sections, tongue)
-    combs = _combs(joined, mesh.n_edges)
+    coped = project.beam.end == "cope"
+    radii = ends.cut.tolist()
+    holes = _cross_holes(frames, lengths, sections, ends)
     profiles, of_edge = sections.profiles, sections.of_edge.tolist()
     limit = project.checks.torsion_deg
     glass = project.panel.kind != "none"
@@ -96,12 +93,21 @@ def beam_specs(
             strict=True,
         )
     ):
-        shape = BeamShape(
-            profiles[of_edge[e]],
-            EndCut(0.0, slope[0], radius, skew[0], joined.end, slot, joined.plate, combs[e][0]),
-            EndCut(x, slope[1], radius, skew[1], joined.end, slot, joined.plate, combs[e][1]),
-            holes[e] if holes else (),
+        joined = ends.joined[e]
+        start, end = (
+            EndCut(
+                at,
+                slope[k],
+                radii[e][k] if coped else None,
+                skew[k],
+                how.end,
+                _slot(how),
+                how.plate,
+                _comb(how, e, k),
+            )
+            for k, (at, how) in enumerate(zip((0.0, x), joined, strict=True))
         )
+        shape = BeamShape(profiles[of_edge[e]], start, end, holes[e])
         left, right = (panel_mark(face) if glass and face >= 0 else None for face in faces)
         degrees = float(np.degrees(torsion))
         beams.append(
@@ -118,17 +124,17 @@ def beam_specs(
                 checks=(Check("torsion_deg", degrees <= limit, degrees, limit),),
                 roll=(roll[0], roll[1]),
                 offsets=(offset[0], offset[1]),
+                joined=joined,
             )
         )
     return tuple(beams)
 
 
-def _combs(joined: Joined, count: int) -> list[tuple[CombEnd | None, CombEnd | None]]:
-    """The slots for discs at both ends of every beam."""
-    comb, offsets = joined.comb, joined.offsets
-    if comb is None or offsets is None:
-        return [(None, None)] * count
-    return [(replace(comb, offset=one), replace(comb, offset=two)) for one, two in offsets.tolist()]
+def _comb(joined: Joined, edge: int, end: int) -> CombEnd | None:
+    """The slots for discs at an end of a beam."""
+    if joined.comb is None or joined.offsets is None:
+        return None
+    return replace(joined.comb, offset=float(joined.offsets[edge, end]))
 
 
 def _check_lengths(
@@ -136,7 +142,7 @@ def _check_lengths(
     frames: EdgeFrames,
     cuts: Cuts,
     sections: Sections,
-    joined: Joined,
+    ends: Ends,
     project: Project,
 ) -> None:
     """Raise where the shortest fibre from cut to cut is below the least length."""
@@ -146,7 +152,8 @@ def _check_lengths(
             for z in (sections.low, sections.high)
         )
     ) - 0.5 * sections.width * np.abs(frames.skew[:, 1] - frames.skew[:, 0])
-    limit = max(project.beam.min_length_mm, 2.0 * joined.end_length)
+    taken = np.array([[how.end_length for how in both] for both in ends.joined])
+    limit = np.maximum(project.beam.min_length_mm, taken.sum(axis=1))
     short = np.flatnonzero(least < limit)
     if len(short):
         raise listed(
@@ -156,11 +163,11 @@ def _check_lengths(
                 f"{least[e]:.1f} mm long"
                 for e in short.tolist()
             ],
-            f"the least length is {limit:.6g} mm: check units and scale, take smaller nodes, or "
-            f"change [beam] min_length_mm"
+            f"the least length is {limit[short[0]]:.6g} mm: check units and scale, take smaller "
+            f"nodes, or change [beam] min_length_mm"
             + (
-                f"; connections take {joined.end_length:.1f} mm at each end"
-                * bool(joined.beam_hole)
+                f"; connections take {taken[short[0]].max():.1f} mm at each end"
+                * bool(taken[short[0]].any())
             ),
         )
 
@@ -175,15 +182,32 @@ def _check_coped(frames: EdgeFrames, project: Project) -> None:
         )
 
 
+def _slot(joined: Joined) -> SlotEnd | None:
+    """The slot that a tongue needs."""
+    tongue = joined.tongue
+    return None if tongue is None else SlotEnd(tongue.slot, tongue.depth)
+
+
 def _cross_holes(
-    frames: EdgeFrames, lengths: Floats, sections: Sections, tongue: Tongue
+    frames: EdgeFrames, lengths: Floats, sections: Sections, ends: Ends
 ) -> list[tuple[CrossHole, ...]]:
     """The holes of every beam for its tongues, in the middle of its depth, along x."""
-    z = 0.5 * float(sections.low[0] + sections.high[0])
+    middle = 0.5 * (sections.low + sections.high)
     stretch = np.hypot(1.0, frames.slope)
-    steps = np.array(tongue.steps)
-    start = frames.slope[:, :1] * z + stretch[:, :1] * steps
-    end = lengths[:, None] + frames.slope[:, 1:] * z - stretch[:, 1:] * steps[::-1]
-    return [
-        tuple(CrossHole(x, z, tongue.hole) for x in row) for row in np.hstack([start, end]).tolist()
-    ]
+    found = []
+    for e, (start, end) in enumerate(ends.joined):
+        z, x = float(middle[e]), float(lengths[e])
+        first = frames.slope[e] * z
+        holes = []
+        if start.tongue is not None:
+            holes += [
+                CrossHole(float(first[0] + stretch[e, 0] * step), z, start.tongue.hole)
+                for step in start.tongue.steps
+            ]
+        if end.tongue is not None:
+            holes += [
+                CrossHole(float(x + first[1] - stretch[e, 1] * step), z, end.tongue.hole)
+                for step in end.tongue.steps[::-1]
+            ]
+        found.append(tuple(holes))
+    return found

@@ -8,7 +8,6 @@ import numpy as np
 
 from ddgfab.mesh import Floats, Mesh
 from fabrication.gridshell.detailing.frames import EdgeFrames, panel_mark
-from fabrication.gridshell.detailing.nodes.base import NodeSize
 from fabrication.gridshell.detailing.panels import Planes, outward_normals
 from fabrication.gridshell.detailing.sections import Sections
 from fabrication.gridshell.project import Project
@@ -32,14 +31,14 @@ def steel_heights(
     planes: Planes,
     frames: EdgeFrames,
     tops: Floats,
-    size: NodeSize,
+    radii: Floats,
     sections: Sections,
     project: Project,
 ) -> Floats:
     """(F,) upper bound [mm] of the height of beams and nodes above each face's plane.
 
     Beams count with the top of their bounding box on the face's side of pi(e), nodes with the
-    highest point of their top rim (V,) `tops` above the vertices.
+    highest point of their top rim (V,) `tops` above the vertices, of (V,) `radii`.
     """
     face, edge = mesh.corner_face, mesh.corner_edge
     z = planes.z[face]
@@ -51,7 +50,7 @@ def steel_heights(
     beams = both + up * np.einsum("ci,ci->c", frames.z[edge], z) + np.maximum(flank, 0.0)
     upright = np.einsum("ci,ci->c", axes[mesh.corners], z)
     tilt = np.sqrt(np.maximum(1.0 - upright**2, 0.0))
-    nodes = corner + tops[mesh.corners] * upright + size.radius * tilt
+    nodes = corner + tops[mesh.corners] * upright + radii[mesh.corners] * tilt
     highest: Floats = np.maximum.reduceat(np.maximum(beams, nodes), mesh.face_start[:-1])
     return highest
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ddgfab.errors import DetailError
 from ddgfab.measures import torsion
@@ -152,6 +153,29 @@ class Arms:
     elevation: Floats
     gap: Floats
     x_axis: Floats
+
+    def of(self, nodes: NDArray[np.bool_]) -> tuple[Arms, Ints]:
+        """Arms of some nodes (V,), and their numbers here."""
+        at = np.flatnonzero(nodes[self.node])
+        start = np.concatenate([[0], np.cumsum(np.where(nodes, np.diff(self.start), 0))])
+        return self._some(at, start), at
+
+    def only(self, at: Ints) -> Arms:
+        """Some of the arms, for looking at each alone: `gap` stays that to their neighbours."""
+        count = np.bincount(self.node[at], minlength=len(self.start) - 1)
+        return self._some(at, np.concatenate([[0], np.cumsum(count)]))
+
+    def _some(self, at: Ints, start: Ints) -> Arms:
+        return Arms(
+            start,
+            self.node[at],
+            self.edge[at],
+            self.end[at],
+            self.azimuth[at],
+            self.elevation[at],
+            self.gap[at],
+            self.x_axis,
+        )
 
     def following(self) -> Ints:
         """(A,) the next arm of the same node."""

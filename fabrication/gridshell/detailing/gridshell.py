@@ -10,19 +10,18 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import DetailError
+from ddgfab.io import Groups
 from ddgfab.mesh import Mesh
-from fabrication.gridshell.detailing.arm_room import arm_width, close_arms
+from fabrication.gridshell.detailing.arm_room import close_arms
 from fabrication.gridshell.detailing.beams import beam_specs, end_cuts
 from fabrication.gridshell.detailing.clearance import panel_offset, steel_heights
-from fabrication.gridshell.detailing.connections import registry as connections
 from fabrication.gridshell.detailing.connections.base import Joined
-from fabrication.gridshell.detailing.connections.bolts import bolt_specs, fastener_pieces
+from fabrication.gridshell.detailing.connections.bolts import fastener_pieces
 from fabrication.gridshell.detailing.frames import Axes, arms_of, edge_frames, node_mark
-from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
-from fabrication.gridshell.detailing.nodes.heights import end_heights, node_ends
-from fabrication.gridshell.detailing.nodes.pieces import node_specs
-from fabrication.gridshell.detailing.nodes.registry import find
+from fabrication.gridshell.detailing.joining import Place, ends_of, joined_places, nodes_and_bolts
+from fabrication.gridshell.detailing.nodes.base import NodeSize
 from fabrication.gridshell.detailing.panels import face_planes, not_flat, panel_specs
+from fabrication.gridshell.detailing.places import NO_GROUPS, Net, rules_of_nodes
 from fabrication.gridshell.detailing.sections import beam_sections
 from fabrication.gridshell.load import make_project
 from fabrication.gridshell.pieces import Beam, Bolt, FastenerPiece, Node, Panel
@@ -44,11 +43,11 @@ class Gridshell:
     support : the structure that carries the node axes
     project : the settings
     beams, nodes, panels : the pieces, by edge, vertex and face
-    size : the dimensions that all nodes share, and the node that forces them
+    places : the nodes of each rule: their size, and how beams are joined to them
     offset : the panes' inner surface above the faces [mm]
     problems : what was found beyond single parts, one sentence each
-    joined : what all connections of beams to nodes share
     bolts : the bolts and studs, by node and arm
+    groups : named vertices and edges of the mesh, which rules may select
     """
 
     mesh: Mesh
@@ -57,11 +56,21 @@ class Gridshell:
     beams: tuple[Beam, ...]
     nodes: tuple[Node, ...]
     panels: tuple[Panel, ...]
-    size: NodeSize
+    places: tuple[Place, ...]
     offset: float
     problems: tuple[str, ...]
-    joined: Joined
     bolts: tuple[Bolt, ...]
+    groups: Groups = NO_GROUPS
+
+    @property
+    def size(self) -> NodeSize:
+        """Dimensions of the nodes without a rule of their own, and the node that forces them."""
+        return self.places[0].size
+
+    @property
+    def joined(self) -> Joined:
+        """What the connections of the first profile to these nodes share."""
+        return self.places[0].each[0][1]
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
@@ -98,13 +107,16 @@ class Gridshell:
         )
 
 
-def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshell:
+def detail(
+    mesh: Mesh, support: Axes, project: Project | None = None, groups: Groups = NO_GROUPS
+) -> Gridshell:
     """Beams, nodes and panels of a mesh [mm] with unit node axes, by the rules of docs/parts.md.
 
     Parameters
     ----------
     support : anything with `axes` (V, 3), on the outer side of the faces
     project : the settings; None means all defaults
+    groups : named vertices and edges of the mesh, which rules may select
 
     Raises
     ------
@@ -118,37 +130,26 @@ def detail(mesh: Mesh, support: Axes, project: Project | None = None) -> Gridshe
     axes = np.asarray(support.axes, dtype=np.float64)
     if axes.shape != mesh.vertices.shape:
         raise DetailError(f"node axes have shape {axes.shape}; expected {mesh.vertices.shape}")
-    profile = project.beam.section()
+    net = Net(mesh, groups)
     frames = edge_frames(mesh, axes)
     arms = arms_of(mesh, axes, frames)
-    connection = connections.find(project.connection.kind).of(project)
-    sections = beam_sections(mesh, project)
-    width = max(
-        max(arm_width(frames, section, project), connection.arm_width(section))
-        for section in sections.profiles
-    )
-    joints = Joints(frames, arms, width, profile, project, connection)
-    connection.check(joints)
-    size = find(project.node.kind).fit(joints)
-    joined = connection.fit(joints, size)
-    cuts = end_cuts(frames, size, project.beam.eccentricity_mm)
-    beams = beam_specs(mesh, frames, cuts, size, sections, joined, project)
-    low, middle, high = end_heights(frames, arms, size, sections, project)
-    low = np.minimum(low, middle - 0.5 * joined.cover)
-    high = np.maximum(high, middle + 0.5 * joined.cover)
-    ends = size.ends(joints, *node_ends(mesh, arms, low, high, project))
-    nodes = node_specs(mesh, axes, joints, size, joined, ends, middle)
-    bolts = bolt_specs(mesh, axes, joints, size, joined, middle)
+    sections = beam_sections(net, project)
+    rule_of = rules_of_nodes(net, project.node.rules)
+    places = joined_places(frames, arms, sections, project, rule_of)
+    ends = ends_of(places, mesh)
+    cuts = end_cuts(frames, ends.cut, project.beam.eccentricity_mm)
+    beams = beam_specs(mesh, frames, cuts, ends, sections, project)
+    nodes, bolts, tops, radii = nodes_and_bolts(mesh, axes, places, sections)
     panels: tuple[Panel, ...] = ()
     offset, problem = 0.0, None
     if project.panel.kind != "none":
         planes = face_planes(mesh)
-        heights = steel_heights(mesh, axes, planes, frames, ends[1], size, sections, project)
+        heights = steel_heights(mesh, axes, planes, frames, tops, radii, sections, project)
         offset, problem = panel_offset(heights, project)
         panels = panel_specs(mesh, planes, frames, offset, project)
     close = close_arms(arms, project.checks.min_angle_deg)
     found = (close, problem, not_flat(mesh, panels))
     problems = tuple(sentence for sentence in found if sentence is not None)
     return Gridshell(
-        mesh, support, project, beams, nodes, panels, size, offset, problems, joined, bolts
+        mesh, support, project, beams, nodes, panels, places, offset, problems, bolts, groups
     )

@@ -130,7 +130,7 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
     for family, instance in instances_of(families, BEAM):
         beam = pieces[instance.mark]
         nodes, panels, roll = beam.nodes, beam.panels, np.degrees(beam.roll).tolist()
-        offsets = beam.offsets
+        offsets, joined = beam.offsets, beam.joined
         if relative_frame(beam, instance)[0, 0] < 0:  # turned end for end
             offsets = offsets[::-1]
             nodes, panels, roll = nodes[::-1], panels[::-1], [-roll[1], -roll[0]]
@@ -160,14 +160,14 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             "torsion_deg": float(np.degrees(beam.torsion)),
             **torsion,
             **details_of(family.shape),
-            **_slots(gridshell.joined.tongue),
+            **_slots(None if joined is None else joined[0].tongue),
             "mass_kg": masses[family.number],
             "panel_left": panels[0],
             "panel_right": panels[1],
             "offset_start_mm": offsets[0],
             "offset_end_mm": offsets[1],
-            "connection": gridshell.joined.kind,
-            "weld_mm": gridshell.joined.weld,
+            "connection": None if joined is None else joined[0].kind,
+            "weld_mm": None if joined is None else joined[0].weld,
         }
         rows[beam.mark] = {**row, **family.shape.dimensions()}
     return [rows[beam.mark] for beam in gridshell.beams]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ddgfab.mesh import Floats, Mesh
+from ddgfab.mesh import Floats, Ints, Mesh
 from fabrication.gridshell.detailing.connections.base import Joined
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
 from fabrication.gridshell.pieces import Bolt, FastenerPiece
@@ -21,17 +21,24 @@ MARK: Final = "J"
 
 
 def bolt_specs(
-    mesh: Mesh, axes: Floats, joints: Joints, size: NodeSize, joined: Joined, middle: Floats
-) -> tuple[Bolt, ...]:
-    """The bolts of every arm, node by node, counterclockwise; none where nothing is bolted.
+    mesh: Mesh,
+    axes: Floats,
+    joints: Joints,
+    size: NodeSize,
+    joined: Joined,
+    middle: Floats,
+    own: Ints,
+) -> list[tuple[int, Bolt]]:
+    """The bolts of some arms with the number of their arm; none where nothing is bolted.
 
     Parameters
     ----------
     axes : (V, 3) unit node axes
     middle : (A,) height of the middle of each arm's end face along the node axis [mm]
+    own : the arms that are joined so
     """
     if joined.beam_hole is None or joined.grip is None:
-        return ()
+        return []
     arms = joints.arms
     axis = axes[arms.node]
     side = np.cross(axis, arms.x_axis[arms.node])
@@ -63,28 +70,31 @@ def bolt_specs(
     origin = mesh.vertices[arms.node]
     points = origin + heights[..., None] * axis + rho[..., None] * radial
     points = points + across[..., None] * np.cross(axis, radial)
-    bolts: list[Bolt] = []
-    for k, (node, edge, end) in enumerate(
-        zip(arms.node.tolist(), arms.edge.tolist(), arms.end.tolist(), strict=True)
-    ):
+    bolts: list[tuple[int, Bolt]] = []
+    for k in own.tolist():
+        node, edge, end = int(arms.node[k]), int(arms.edge[k]), int(arms.end[k])
         marks = node_mark(node), beam_mark(edge)
         holes = ((marks[0], node_hole), (marks[1], joined.beam_hole))
         for point in points[:, k]:
             bolts.append(
-                Bolt(
-                    f"{MARK}-{len(bolts):04d}",
-                    *marks,
-                    end,
-                    point,
-                    along[k],
-                    joined.mounted,
-                    holes,
-                    span,
-                    joined.grip,
-                    joined.thread,
+                (
+                    k,
+                    Bolt(
+                        "",
+                        *marks,
+                        end,
+                        point,
+                        along[k],
+                        joined.mounted,
+                        holes,
+                        span,
+                        joined.grip,
+                        joined.thread,
+                        joined.depth,
+                    ),
                 )
             )
-    return tuple(bolts)
+    return bolts
 
 
 def fastener_pieces(bolts: Sequence[Bolt]) -> tuple[FastenerPiece, ...]:

@@ -151,10 +151,10 @@ class Stud(Connection):
         low, high = z_range(joints.profile)
         strip = 0.5 * (high - low) - 0.5 * end.height / n - shift
         limit = self.size.diameter
-        bad = np.argwhere(strip < limit)
+        bad = np.argwhere((strip < limit) & joints.own)
         if len(bad):
             edges = joints.ends(bad[:, 0], bad[:, 1])
-            needed = high - low + 2.0 * (limit - float(strip.min()))
+            needed = high - low + 2.0 * (limit - float(strip[joints.own].min()))
             raise listed(
                 [
                     f"node {node_mark(node)}, beam {beam_mark(edge)}: its opening leaves "

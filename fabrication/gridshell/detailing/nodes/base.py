@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats, Ints
 from fabrication.gridshell.detailing.connections.base import Connection, Drilling, Joined
 from fabrication.gridshell.detailing.frames import Arms, EdgeFrames
+from fabrication.gridshell.detailing.sections import Sections
 from fabrication.gridshell.project import Project
 from fabrication.parts.node import NODE
 from fabrication.specs import Kind, Profile, Shape
@@ -22,8 +24,12 @@ from fabrication.specs import Kind, Profile, Shape
 class Joints:
     """Where beams meet at all nodes.
 
+    arms : of all nodes that are sized together
     width : of the strip beside the line to the node axis that every arm needs [mm], `arm_width`
+    profile : of the beams that are looked at; others may end at the same nodes
     connection : how beams are joined to the nodes
+    sections : profiles of all beams
+    own : (E, 2) which ends have the profile
     """
 
     frames: EdgeFrames
@@ -32,6 +38,19 @@ class Joints:
     profile: Profile
     project: Project
     connection: Connection
+    sections: Sections
+    own: NDArray[np.bool_]
+
+    @property
+    def levels(self) -> tuple[Floats, Floats]:
+        """Lowest and highest z (A,) [mm] of each arm's beam above its edge."""
+        shift = self.project.beam.eccentricity_mm
+        edge = self.arms.edge
+        return self.sections.low[edge] + shift, self.sections.high[edge] + shift
+
+    def only(self, arms: Ints) -> Joints:
+        """These, with some of the arms alone."""
+        return replace(self, arms=self.arms.only(arms))
 
     @property
     def rolled(self) -> bool:
@@ -101,7 +120,12 @@ class NodeSize(ABC):
 
     @abstractmethod
     def shapes(
-        self, joints: Joints, joined: Joined, bottom: Floats, top: Floats, middle: Floats
+        self,
+        joints: Joints,
+        joined: Sequence[Joined],
+        bottom: Floats,
+        top: Floats,
+        middle: Floats,
     ) -> Sequence[Shape]:
         """Shapes of the nodes that have arms, by vertex, in the frame of `placements`.
 
@@ -109,7 +133,7 @@ class NodeSize(ABC):
 
         Parameters
         ----------
-        joined : what the connections give the nodes
+        joined : what the connection of each arm gives the node
         bottom, top : (V,) ends of the nodes along their axes, from `node_ends`
         middle : (A,) height of the middle of each arm's end face, from `end_heights`
 

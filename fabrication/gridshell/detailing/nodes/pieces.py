@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ddgfab.measures import lean
@@ -18,7 +20,7 @@ def node_specs(
     axes: Floats,
     joints: Joints,
     size: NodeSize,
-    joined: Joined,
+    joined: Sequence[Joined],
     ends: tuple[Floats, Floats],
     middle: Floats,
 ) -> tuple[Node, ...]:
@@ -27,7 +29,7 @@ def node_specs(
     Parameters
     ----------
     axes : (V, 3) unit node axes
-    joined : what the connections give the nodes
+    joined : what the connection of each arm gives the node
     ends : bottom and top (V,) along them [mm], from `node_ends`
     middle : (A,) height of the middle of each arm's end face [mm], from `end_heights`
 

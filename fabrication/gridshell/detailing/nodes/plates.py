@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
@@ -79,10 +80,15 @@ class Plates(NodeSize):
         return np.where(used, level - reach, bottom), np.where(used, level + reach, top)
 
     def shapes(
-        self, joints: Joints, joined: Joined, bottom: Floats, top: Floats, middle: Floats
+        self,
+        joints: Joints,
+        joined: Sequence[Joined],
+        bottom: Floats,
+        top: Floats,
+        middle: Floats,
     ) -> list[SpoolShape]:
         """Two discs at the slots of the arms."""
-        comb, levels = joined.comb, joined.levels
+        comb, levels = joined[0].comb, joined[0].levels
         assert comb is not None
         assert levels is not None
         arms, t = joints.arms, self.discs.thickness

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
@@ -165,26 +166,28 @@ class Cylinder(NodeSize):
         )
 
     def shapes(
-        self, joints: Joints, joined: Joined, bottom: Floats, top: Floats, middle: Floats
+        self,
+        joints: Joints,
+        joined: Sequence[Joined],
+        bottom: Floats,
+        top: Floats,
+        middle: Floats,
     ) -> list[NodeShape]:
         """Cylinders or tubes with seats, holes and a mark."""
         arms, project = joints.arms, joints.project
         flat = project.beam.end == "flat"
-        mark, bore, hole, depth = self._mark(), self.bore, joined.hole, joined.depth
+        mark, bore = self._mark(), self.bore
         low, high = bottom.tolist(), top.tolist()
         azimuths, heights, starts = arms.azimuth.tolist(), middle.tolist(), arms.start.tolist()
         shapes = []
         for v in np.flatnonzero(np.diff(arms.start)).tolist():
             own = range(starts[v], starts[v + 1])
             seats = tuple(Seat(azimuths[k], self.seat, self.width) for k in own) if flat else ()
-            holes = (
-                ()
-                if hole is None
-                else tuple(
-                    RadialHole(azimuths[k], heights[k] + up, hole, depth, across)
-                    for k in own
-                    for across, up in joined.places
-                )
+            holes = tuple(
+                RadialHole(azimuths[k], heights[k] + up, hole, joined[k].depth, across)
+                for k in own
+                if (hole := joined[k].hole) is not None
+                for across, up in joined[k].places
             )
             shapes.append(NodeShape(self.radius, bore, low[v], high[v], seats, holes, mark))
         return shapes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -15,7 +16,6 @@ from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
 from fabrication.parts.node import ReferenceMark
 from fabrication.parts.star import STAR, StarShape, TongueHole
 from fabrication.specs import Kind
-from fabrication.standards.profiles import z_range
 
 MARK = (3.0, 1.0)
 """Diameter and depth [mm] of the reference mark."""
@@ -103,7 +103,12 @@ class Star(NodeSize):
         return bottom, top
 
     def shapes(
-        self, joints: Joints, joined: Joined, bottom: Floats, top: Floats, middle: Floats
+        self,
+        joints: Joints,
+        joined: Sequence[Joined],
+        bottom: Floats,
+        top: Floats,
+        middle: Floats,
     ) -> list[StarShape]:
         """A plate for each arm, with its holes on the middle line of the beam."""
         arms = joints.arms
@@ -130,11 +135,11 @@ class Star(NodeSize):
             for v in np.flatnonzero(np.diff(arms.start)).tolist()
         ]
 
-    def _slopes(self, joints: Joints) -> tuple[Floats, Floats, float, float]:
-        """Slope (A,) of each arm away from its node, its stretch, and the profile's z range."""
+    def _slopes(self, joints: Joints) -> tuple[Floats, Floats, Floats, Floats]:
+        """Slope (A,) of each arm away from its node, its stretch, and its beam's z range."""
         arms = joints.arms
         slope = joints.frames.slope[arms.edge, arms.end] * (1 - 2 * arms.end)
-        low, high = (z + joints.project.beam.eccentricity_mm for z in z_range(joints.profile))
+        low, high = joints.levels
         return slope, np.hypot(1.0, slope), low, high
 
     def _heights(self, joints: Joints) -> Floats:

@@ -1,0 +1,159 @@
+"""Nodes place by place: their size, and how the beams of each profile are joined to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ddgfab.errors import DetailError
+from ddgfab.mesh import Floats, Ints, Mesh
+from fabrication.gridshell.detailing.arm_room import arm_width
+from fabrication.gridshell.detailing.connections import registry as connections
+from fabrication.gridshell.detailing.connections.base import Joined
+from fabrication.gridshell.detailing.connections.bolts import MARK, bolt_specs
+from fabrication.gridshell.detailing.frames import Arms, EdgeFrames, node_mark
+from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
+from fabrication.gridshell.detailing.nodes.heights import end_heights, node_ends
+from fabrication.gridshell.detailing.nodes.pieces import node_specs
+from fabrication.gridshell.detailing.nodes.registry import find
+from fabrication.gridshell.detailing.sections import Sections
+from fabrication.gridshell.pieces import Bolt, Node
+from fabrication.gridshell.project import Project
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Nodes of one [[node]] table, or of none, with the arms of their beams.
+
+    at : their arms in the structure's
+    joints : all of these arms
+    size : dimensions that these nodes share
+    each : for every profile of their beams the joints, how they are joined, and which of the
+        arms (A,) these are
+    """
+
+    at: Ints
+    joints: Joints
+    size: NodeSize
+    each: tuple[tuple[Joints, Joined, Ints], ...]
+
+    @property
+    def joined(self) -> list[Joined]:
+        """How each arm is joined."""
+        found = [self.each[0][1]] * len(self.at)
+        for _, joined, own in self.each:
+            for k in own.tolist():
+                found[k] = joined
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """Where beams end at their nodes.
+
+    cut, seat : (E, 2) distances [mm] from the node axes
+    joined : how each end is joined, by edge and end
+    """
+
+    cut: Floats
+    joined: tuple[tuple[Joined, Joined], ...]
+
+
+def joined_places(
+    frames: EdgeFrames, arms: Arms, sections: Sections, project: Project, rule_of: Ints
+) -> tuple[Place, ...]:
+    """The nodes of each rule sized, and joined to their beams.
+
+    Parameters
+    ----------
+    rule_of : (V,) the [[node]] rule of each vertex, 0 without
+
+    Raises
+    ------
+    DetailError
+        What nodes and connections raise.
+    """
+    connection = connections.find(project.connection.kind).of(project)
+    places = []
+    for number in np.unique(rule_of[arms.node]).tolist():
+        node = project.node.under(project.node.rules[number - 1]) if number else project.node
+        own_project = project.model_copy(update={"node": node})
+        own, at = arms.of(rule_of == number)
+        profile_of = sections.of_edge[own.edge]
+        numbers = np.unique(profile_of).tolist()
+        if len(numbers) > 1 and connection.discs(sections.profiles[numbers[0]]) is not None:
+            raise DetailError(
+                f'[connection] kind = "{project.connection.kind}": the discs of a node have one '
+                f"distance, but beams {sections.profiles[numbers[0]].name} and "
+                f"{sections.profiles[numbers[1]].name} meet at {node_mark(_mixed(own, profile_of))}"
+                "\ntake one [beam] profile"
+            )
+        width = max(
+            max(arm_width(frames, profile, project), connection.arm_width(profile))
+            for profile in (sections.profiles[k] for k in numbers)
+        )
+        each = []
+        for k in numbers:
+            mine = np.flatnonzero(profile_of == k)
+            ends = np.zeros((len(frames.length), 2), dtype=bool)
+            ends[own.edge[mine], own.end[mine]] = True
+            joints = Joints(
+                frames, own, width, sections.profiles[k], own_project, connection, sections, ends
+            )
+            connection.check(joints.only(mine))
+            each.append((joints, mine))
+        kind = find(node.kind)
+        size = max((kind.fit(joints) for joints, _ in each), key=lambda found: found.radius)
+        parts = tuple((joints, connection.fit(joints, size), mine) for joints, mine in each)
+        places.append(Place(at, each[0][0], size, parts))
+    return tuple(places)
+
+
+def _mixed(arms: Arms, profile_of: Ints) -> int:
+    """A node at which beams of several profiles meet, or the first one."""
+    other = np.flatnonzero(profile_of != profile_of[arms.start[arms.node]])
+    return int(arms.node[other[0] if len(other) else 0])
+
+
+def ends_of(places: tuple[Place, ...], mesh: Mesh) -> Ends:
+    """Where and how the beams end."""
+    cut = np.zeros((mesh.n_edges, 2))
+    joined: list[list[Joined]] = [[places[0].each[0][1]] * 2 for _ in range(mesh.n_edges)]
+    for place in places:
+        arms = place.joints.arms
+        cut[arms.edge, arms.end] = place.size.cut
+        for edge, end, how in zip(arms.edge.tolist(), arms.end.tolist(), place.joined, strict=True):
+            joined[edge][end] = how
+    return Ends(cut, tuple((start, end) for start, end in joined))
+
+
+def nodes_and_bolts(
+    mesh: Mesh, axes: Floats, places: tuple[Place, ...], sections: Sections
+) -> tuple[tuple[Node, ...], tuple[Bolt, ...], Floats, Floats]:
+    """The nodes by vertex, the bolts by node and arm, and tops and radii (V,) of the nodes [mm].
+
+    Raises
+    ------
+    DetailError
+        A node cannot be made.
+    """
+    tops, radii = np.zeros(mesh.n_vertices), np.zeros(mesh.n_vertices)
+    nodes: list[Node] = []
+    bolts: list[tuple[int, Bolt]] = []
+    for place in places:
+        joints, size, arms = place.joints, place.size, place.joints.arms
+        low, middle, high = end_heights(joints.frames, arms, size, sections, joints.project)
+        half = 0.5 * np.array([joined.cover for joined in place.joined])
+        low, high = np.minimum(low, middle - half), np.maximum(high, middle + half)
+        bottom, top = size.ends(joints, *node_ends(mesh, arms, low, high, joints.project))
+        used = np.flatnonzero(np.diff(arms.start))
+        tops[used], radii[used] = top[used], size.radius
+        nodes += node_specs(mesh, axes, joints, size, place.joined, (bottom, top), middle)
+        for own, joined, mine in place.each:
+            found = bolt_specs(mesh, axes, own, size, joined, middle, mine)
+            bolts += ((int(place.at[k]), bolt) for k, bolt in found)
+    nodes.sort(key=lambda node: node.vertex)
+    bolts.sort(key=lambda pair: pair[0])
+    marked = tuple(bolt.named(f"{MARK}-{k:04d}") for k, (_, bolt) in enumerate(bolts))
+    return tuple(nodes), marked, tops, radii
