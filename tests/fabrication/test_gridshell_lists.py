@@ -25,6 +25,7 @@ from fabrication.table import Table
 VARIANTS: dict[str, dict[str, dict[str, object]]] = {
     "plain": {},
     "bolted": {"beam": {"profile": "FL 80x40"}, "connection": {"kind": "stud"}},
+    "end plates": {"beam": {"profile": "FL 80x20"}, "connection": {"kind": "end_plate"}},
     "priced": {"rates": {"kg": 4.0}},
     "stars": {
         "beam": {"profile": "FL 100x40"},
