@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -27,6 +28,18 @@ PAPERS: Final = {"A3": 8, "A4": 9}
 """Excel's numbers of the papers."""
 
 FONT: Final = {"font_name": "Arial", "font_size": 9}
+FONT_MM: Final = 9 * 25.4 / 72
+LEAST_MM: Final = 2.5
+"""Size of the font at full size, and the least when printed; sheets with more columns than fit
+so are split."""
+
+PAPER_PT: Final = {"A3": 1133.0, "A4": 784.0}
+"""Printed width of the papers in landscape, without margins [pt]."""
+
+DIGIT_PT: Final = 5.25
+PADDING_PT: Final = 3.75
+"""Width of a digit, and what a column has beside its digits [pt]."""
+
 NARROWEST: Final = 6
 WIDEST: Final = 90
 """Widths of columns, in digits; longer texts go on in the next line of their cell."""
@@ -97,6 +110,60 @@ def _spaced(text: str) -> str:
 
 
 # --- tables ----------------------------------------------------------------------------------
+def sheets_of(
+    name: str, rows: Sequence[Row], names: Sequence[str], legend: Legend, paper: str
+) -> list[tuple[str, list[Row], list[str]]]:
+    """The sheets of a schedule: name, rows and columns of each.
+
+    One, where its columns fit the paper with texts of `LEAST_MM` or more; else so many that they
+    do. Each begins with the columns that name the piece; columns of one number stay together.
+    """
+    room = PAPER_PT[paper] * FONT_MM / LEAST_MM
+    taken = {column: 0.0 if legend.hides(column) else _points(column, rows) for column in names}
+    if sum(taken.values()) <= room or not names:
+        return [(name, list(rows), list(names))]
+    keys = [names[0], *(column for column in names[1:] if column == "number")]
+    first = sum(taken[column] for column in keys)
+    parts, used = [list(keys)], first
+    for block in _blocks([column for column in names if column not in keys]):
+        wide = sum(taken[column] for column in block)
+        if used + wide > room and len(parts[-1]) > len(keys):
+            parts.append(list(keys))
+            used = first
+        parts[-1] += block
+        used += wide
+    return [
+        (
+            name if k == 1 else f"{name[: NAME - 5]} ({k})",
+            [{column: row[column] for column in part if column in row} for row in rows],
+            part,
+        )
+        for k, part in enumerate(parts, 1)
+    ]
+
+
+def _blocks(names: Sequence[str]) -> list[list[str]]:
+    """Columns in a row that have the same number in their names, as those of one arm; or one."""
+    found: list[list[str]] = []
+    last = ""
+    for column in names:
+        number = re.search(r"_(\d+)(?=_|$)", column)
+        own = number[1] if number else ""
+        if own and own == last:
+            found[-1].append(column)
+        else:
+            found.append([column])
+        last = own
+    return found
+
+
+def _points(column: str, rows: Sequence[Row]) -> float:
+    """Width [pt] that a column takes at full size."""
+    places = decimals(column)
+    width, _ = _width(column, [_cell(row.get(column), places) for row in rows])
+    return DIGIT_PT * width + PADDING_PT
+
+
 def add_table(
     book: Book, name: str, rows: Sequence[Row], names: Sequence[str], legend: Legend
 ) -> None:

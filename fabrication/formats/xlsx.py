@@ -24,6 +24,7 @@ from fabrication.formats.workbook import (
     add_cover,
     add_table,
     has_total,
+    sheets_of,
 )
 from fabrication.specs import Check
 
@@ -66,7 +67,15 @@ class Xlsx(Format):
     def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
         """Read back: a sheet a schedule with header, as many rows, and sums where it has any."""
         checks = []
-        for place, (name, rows) in enumerate((whole.tables or {}).items(), 2):
+        paper = self.option(whole.about, "paper")
+        sheets = [
+            (name, part, whole.legends.get(table, Legend()))
+            for table, rows in (whole.tables or {}).items()
+            for name, part, _ in sheets_of(
+                table, rows, columns_of(rows), whole.legends.get(table, Legend()), paper
+            )
+        ]
+        for place, (name, rows, legend) in enumerate(sheets, 2):
             try:
                 with zipfile.ZipFile(folder / WORKBOOK) as book:
                     sheet = book.read(f"xl/worksheets/sheet{place}.xml")
@@ -75,7 +84,7 @@ class Xlsx(Format):
                 continue
             found = len(re.findall(rb"<row ", sheet))
             # A schedule without rows may have no columns, and then an empty header.
-            below = has_total(rows, whole.legends.get(name, Legend()))
+            below = has_total(rows, legend)
             wanted = len(rows) + 1 + below if rows else min(found, 1)
             checks.append(Check(f"xlsx {name} rows", found == wanted, float(found), float(wanted)))
         return checks
@@ -133,7 +142,9 @@ def write_xlsx(
         for name, rows in sheets.items():
             chosen = None if columns is None else columns.get(name)
             legend = known.get(name, Legend())
-            add_table(book, name, rows, list(chosen or columns_of(rows)), legend)
+            names = list(chosen or columns_of(rows))
+            for title_of, part, own in sheets_of(name, rows, names, legend, paper):
+                add_table(book, title_of, part, own, legend)
         if cover is not None:
             add_columns(book, sheets, known)
     with atomic_write(path) as file:

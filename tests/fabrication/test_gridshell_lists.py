@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import openpyxl
 import pytest
-from detailing_cases import dome, grid, vertical
+from detailing_cases import dome, grid, hexagons, vertical
 
 from ddgfab.errors import ProjectError
 from ddgfab.mesh import Mesh
 from fabrication.formats.tables import columns_of
-from fabrication.formats.workbook import COVER
+from fabrication.formats.workbook import COVER, sheets_of
 from fabrication.gridshell.design import Design, design
 from fabrication.gridshell.load import make_project
 from fabrication.gridshell.schedules import schedules
@@ -40,6 +40,7 @@ def found_tables() -> dict[str, list[Table]]:
     """Every table of some structures that together have every column there is."""
     found: dict[str, list[Table]] = {}
     shells = [dome().detail(**sections) for sections in VARIANTS.values()]
+    shells.append(hexagons().detail(panel={"offset_mm": 60.0}))
     for tables in map(schedules, shells):
         for name, table in tables.items():
             found.setdefault(name, []).append(table.with_status(()))
@@ -341,3 +342,41 @@ def test_rejected_panes_are_named_in_every_list() -> None:
     assert len(rim) == 4
     assert all("rejected" in row["status"] for row in rim)
     assert "status" not in columns_of(tables["stock"])
+
+
+def test_diagonals_fix_panes_of_six_sides() -> None:
+    """From sides and diagonals alone, triangle by triangle, the outline and its area."""
+    shell = hexagons().detail(panel={"offset_mm": 60.0})
+    for row in schedules(shell)["panels"]:
+        sides = [row[f"edge_{k}_mm"] for k in range(1, 7)]
+        rays = [sides[0], row["diagonal_13_mm"], row["diagonal_to_4_mm"], row["diagonal_to_5_mm"],
+                sides[5]]  # fmt: skip
+        assert row["diagonal_24_mm"] is None
+        area = 0.0
+        for a, b, c in zip(rays[:-1], rays[1:], sides[1:5], strict=True):
+            half = 0.5 * (a + b + c)
+            area += (half * (half - a) * (half - b) * (half - c)) ** 0.5
+        assert area == pytest.approx(1e6 * row["area_m2"], rel=1e-9)
+
+
+@pytest.mark.parametrize("paper", ["A3", "A4"])
+def test_sheets_are_split_until_their_texts_are_large_enough(paper: str) -> None:
+    """Every column once, in order, beside those that name the piece; each sheet fits."""
+    table = schedules(dome().detail(connection={"kind": "stud"}, beam={"profile": "FL 80x40"}))[
+        "nodes"
+    ]
+    names = list(table.columns)
+    parts = sheets_of("nodes", table.rows, names, table.legend, paper)
+    assert len(parts) > 1
+    seen: list[str] = []
+    for k, (title, rows, columns) in enumerate(parts):
+        assert title == ("nodes" if not k else f"nodes ({k + 1})")
+        assert columns[:2] == ["mark", "number"]
+        assert len(rows) == len(table)
+        assert set(rows[0]) == set(columns)
+        seen += columns if not k else columns[2:]
+        arms = [c.split("_")[1] for c in columns if c.startswith(("beam_", "seat_width"))]
+        assert all(f"beam_{arm}" in columns for arm in arms if arm.isdigit())
+    assert seen == names
+    one = sheets_of("bom", [{"mark": "A", "mass_kg": 1.0}], ["mark", "mass_kg"], table.legend, "A4")
+    assert len(one) == 1

@@ -60,7 +60,9 @@ LEGEND: Final = Legend(
         "planarity_mm": "greatest distance of a corner of the mesh face from its best plane",
         "planarity_class": "flat; cold-bend: bent into place; reject: too far from a plane",
         "diagonal_13_mm": "outer surface, from corner 1 to corner 3",
-        "diagonal_24_mm": "outer surface, from corner 2 to corner 4",
+        "diagonal_24_mm": "outer surface, from corner 2 to corner 4; of panes with four sides",
+        "diagonal_to_{k}_mm": "outer surface, from corner 1 to corner {k}: with the sides these "
+        "diagonals fix a pane of five sides or more",
         "edge_{k}_mm": "length of side {k} at the outer surface, from corner {k} to the next; "
         "sides are counted counterclockwise as seen from outside, corner 1 begins side 1",
         "angle_{k}_deg": "inner angle of the pane at corner {k}, where side {k} begins",
@@ -105,7 +107,7 @@ def panel_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses)
             "corner_radius_mm": settings.corner_radius_mm,
             "planarity_mm": panel.planarity_mm,
             "planarity_class": panel.planarity_class,
-            **_diagonals(shape),
+            **_diagonals(shape, widest),
         }
         first = _first_side(panel, instance, shape)
         bevels = _bevels(shape)
@@ -148,15 +150,24 @@ def _step(side: Side, settings: PanelSettings) -> float:
     return settings.step_mm if side.neighbour is None else 0.0
 
 
-def _diagonals(shape: PanelShape) -> Row:
-    """Both diagonals of the outer surface of a quad, which fix it beside its sides."""
+def _diagonals(shape: PanelShape, widest: int) -> Row:
+    """Diagonals of the outer surface, which fix it beside its sides.
+
+    Both of a quad; of more sides those from corner 1, which cut the pane into triangles.
+    """
     corners = shape.outer
-    quad = len(corners) == _QUAD
-    ends = {"diagonal_13_mm": (0, 2), "diagonal_24_mm": (1, 3)}
-    return {
-        name: float(np.linalg.norm(corners[j] - corners[i])) if quad else None
-        for name, (i, j) in ends.items()
+    count = len(corners)
+
+    def length(i: int, j: int) -> float:
+        return float(np.linalg.norm(corners[j - 1] - corners[i - 1]))
+
+    row: Row = {
+        "diagonal_13_mm": length(1, 3) if count >= _QUAD else None,
+        "diagonal_24_mm": length(2, 4) if count == _QUAD else None,
     }
+    for k in range(_QUAD, widest):
+        row[f"diagonal_to_{k}_mm"] = length(1, k) if k < count else None
+    return row
 
 
 def _bevels(shape: PanelShape) -> list[float]:
