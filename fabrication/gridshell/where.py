@@ -32,7 +32,7 @@ def _known(*names: str) -> AfterValidator:
     return AfterValidator(check)
 
 
-Ids: TypeAlias = Annotated[tuple[Annotated[int, Field(ge=0, le=2**31)], ...], Field(strict=False)]
+Ids: TypeAlias = Annotated[tuple[int, ...], Field(strict=False)]
 Edges: TypeAlias = Annotated[str, _known(BOUNDARY)] | Ids
 Vertices: TypeAlias = Annotated[str, _known(BOUNDARY)] | Ids
 

@@ -26,6 +26,11 @@ VARIANTS: dict[str, dict[str, dict[str, object]]] = {
     "plain": {},
     "bolted": {"beam": {"profile": "FL 80x40"}, "connection": {"kind": "stud"}},
     "end plates": {"beam": {"profile": "FL 80x20"}, "connection": {"kind": "end_plate"}},
+    "slotted": {
+        "beam": {"profile": "FL 260x120"},
+        "node": {"kind": "plates"},
+        "connection": {"kind": "slotted", "bolt": "M16"},
+    },
     "priced": {"rates": {"kg": 4.0}},
     "stars": {
         "beam": {"profile": "FL 100x40"},
