@@ -12,22 +12,15 @@ import numpy as np
 
 from ddgfab.grid import grid_mesh
 from ddgfab.io import write_mesh
-from ddgfab.mesh import Mesh
+from ddgfab.mesh import Floats, Mesh
 from ddgfab.redesign.dilemma import dilemma, forecast_lines, mesh_forecast
 from ddgfab.trace.alignment import alignment
 
 
-def lattice(turn: float, radius: float = 25e3, apart: float = 0.1, side: float = 20e3) -> Mesh:
-    """400 quads of an orthogonal lattice on a dome, turned from its curvature lines [rad].
-
-    Meridians and parallels of a torus are a conformal image of a plane lattice, and so is every
-    lattice that is turned in that plane: its edges meet at right angles on the dome.
-    """
+def dome(x: Floats, y: Floats, radius: float = 25e3, apart: float = 0.1) -> Floats:
+    """Points of a piece of a torus; meridians and parallels are a conformal image of x and y."""
     tube = radius / (1 + apart / 2)
     center = radius / (1 - apart / 2) - tube
-    along = np.linspace(-side / 2, side / 2, 21)
-    u, v = np.meshgrid(along, along, indexing="ij")
-    x, y = np.cos(turn) * u - np.sin(turn) * v, np.sin(turn) * u + np.cos(turn) * v
     # conformal height: integral of tube d phi / (center + tube cos phi), tabulated
     phi = np.linspace(-1.2, 1.2, 20001)
     middle = 0.5 * (phi[1:] + phi[:-1])
@@ -35,7 +28,18 @@ def lattice(turn: float, radius: float = 25e3, apart: float = 0.1, side: float =
     phi = np.interp(y / (center + tube), height - height[10000], phi)
     far = center + tube * np.cos(phi)
     angle = x / (center + tube)
-    return grid_mesh(np.stack([far * np.sin(angle), tube * np.sin(phi), far * np.cos(angle)], -1))
+    return np.stack([far * np.sin(angle), tube * np.sin(phi), far * np.cos(angle)], axis=-1)
+
+
+def lattice(turn: float, radius: float = 25e3, apart: float = 0.1, side: float = 20e3) -> Mesh:
+    """400 quads of an orthogonal lattice on a dome, turned from its curvature lines [rad].
+
+    Squares of the plane, turned there: their conformal images meet at right angles on the dome.
+    """
+    along = np.linspace(-side / 2, side / 2, 21)
+    u, v = np.meshgrid(along, along, indexing="ij")
+    x, y = np.cos(turn) * u - np.sin(turn) * v, np.sin(turn) * u + np.cos(turn) * v
+    return grid_mesh(dome(x, y, radius, apart))
 
 
 if __name__ == "__main__":

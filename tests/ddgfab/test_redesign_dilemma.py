@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.polynomial import chebyshev
 from surface_cases import graph
 
 from ddgfab.errors import InputError, MeshError
@@ -102,22 +103,86 @@ def test_no_angle_where_the_surface_is_nearly_a_sphere() -> None:
     assert found.to_dict()["principal_deg"] is None
 
 
+def stereographic(turn: float, side: float) -> Mesh:
+    """A lattice that narrows evenly towards its corners: a stereographic image of squares, turned,
+    laid on the dome by the conformal coordinate of its meridians and parallels."""
+    along = np.linspace(-side / 2, side / 2, 21)
+    u, v = np.meshgrid(along, along, indexing="ij")
+    mercator = 50e3 * np.arctan((u + 1j * v) * np.exp(1j * turn) / 50e3)
+    return grid_mesh(MODULE.dome(mercator.real, mercator.imag))
+
+
 @pytest.mark.parametrize(
     ("turn", "greatest", "rms", "left"),
     [(15, 90, 33.3, 0.044), (30, 152, 57.7, 0.026), (45, 175, 66.7, 0.001)],
 )
 def test_worked_example_of_the_dome(turn: float, greatest: float, rms: float, left: float) -> None:
-    """The lattice here is wider at its corners than that of the table: up to 9 % more movement."""
-    mesh = lattice(np.radians(turn))
+    """The table's lattice is not stated; a stereographic one of the same mean movement at 15 deg
+    (9.8 m from middle to side) gives all its means to 0.5 % and its greatest to 2 %."""
+    mesh = stereographic(np.radians(turn), 2 * 9796)
     found = dilemma(mesh, nearest=True)
-    assert 1.0 < found.greatest / greatest < 1.09
-    assert found.rms == pytest.approx(rms, rel=0.05)
+    assert found.greatest == pytest.approx(greatest, rel=0.021)
+    assert found.rms == pytest.approx(rms, rel=5e-3)
     assert found.after.anisotropy_median == pytest.approx(left, abs=1e-3)
     assert planarity_percent(found.mesh).max() < 1e-7
     assert np.degrees(circular_defect(found.mesh)).max() < 1e-6
-    assert found.forecast.greatest == pytest.approx(found.greatest, rel=0.07)
+    assert found.forecast.greatest == pytest.approx(found.greatest, rel=0.06)
     if turn < 45:  # where the anisotropy that is left determines them
         assert np.degrees(np.percentile(found.after.principal, [50, 95])).tolist() < [0.05, 0.2]
+
+
+def smooth_movement(turn: float, apart: float) -> np.ndarray:
+    """(441,) least movement along the normal of the example's lattice, by its differential equation.
+
+    Moved by w the dome's second form changes by the Hessian of w, so that a lattice with the
+    conformal factor e^l is principal where w_uv - l_v w_u - l_u w_v = -II(d_u, d_v). Chebyshev
+    polynomials in u and v solve that; of all solutions the one least at the vertices is taken.
+    """
+    radius, half, count = 25e3, 10e3, 14
+    tube = radius / (1 + apart / 2)
+    hub = radius / (1 - apart / 2) - tube
+    node = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    u, v = (half * part.ravel() for part in np.meshgrid(node, node, indexing="ij"))
+    y = (np.sin(turn) * u + np.cos(turn) * v) / (hub + tube)
+    root = np.sqrt(tube**2 - hub**2)  # latitude of the conformal height y, in closed form
+    phi = 2 * np.arctan((tube + hub) / root * np.tanh(root * y / (2 * tube)))
+    far = hub + tube * np.cos(phi)
+    slope = -np.sin(phi) / (hub + tube)
+    l_u, l_v = np.sin(turn) * slope, np.cos(turn) * slope
+    skew = (far / (hub + tube)) ** 2 * (1 / tube - np.cos(phi) / far)
+    right = skew * np.sin(turn) * np.cos(turn)
+    size = count + 2
+    plain = chebyshev.chebvander(node, size - 1)
+    sloped = (
+        np.stack([chebyshev.chebval(node, chebyshev.chebder(row)) for row in np.eye(size)], axis=1)
+        / half
+    )
+    rows = np.einsum("ai,bj->abij", sloped, sloped).reshape(count**2, -1)
+    rows -= l_v[:, None] * np.einsum("ai,bj->abij", sloped, plain).reshape(count**2, -1)
+    rows -= l_u[:, None] * np.einsum("ai,bj->abij", plain, sloped).reshape(count**2, -1)
+    at = chebyshev.chebvander(np.linspace(-1, 1, 21), size - 1)
+    values = np.einsum("ai,bj->abij", at, at).reshape(441, -1)
+    _, sigma, basis = np.linalg.svd(rows)
+    one = np.linalg.lstsq(rows, right, rcond=None)[0]
+    assert np.abs(rows @ one - right).max() < 1e-9 * np.abs(right).max()
+    free = values @ basis[int((sigma > 1e-10 * sigma[0]).sum()) :].T
+    w = values @ one
+    return np.asarray(w - free @ np.linalg.lstsq(free, w, rcond=None)[0])
+
+
+@pytest.mark.parametrize("turn", [15, 30, 45])
+def test_dome_moves_as_its_differential_equation_says(turn: float) -> None:
+    """A second route, which shares nothing with the solver: equal to first order in the movement."""
+    gaps = []
+    for apart, near in ((0.1, 6e-3), (0.05, 2e-3)):
+        w = smooth_movement(np.radians(turn), apart)
+        found = dilemma(lattice(np.radians(turn), apart=apart), nearest=True)
+        assert found.greatest == pytest.approx(np.abs(w).max(), rel=near)
+        assert found.rms == pytest.approx(np.sqrt(np.mean(w**2)), rel=2.5e-3)
+        gaps.append(abs(found.greatest / np.abs(w).max() - 1))
+    assert gaps[1] < 0.5 * gaps[0]
+    if turn == 30:  # the number of the example
+        assert np.abs(smooth_movement(np.pi / 6, 0.1)).max() == pytest.approx(163.42, abs=0.01)
 
 
 def test_flat_dome_moves_as_forecast() -> None:
