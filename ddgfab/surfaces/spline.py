@@ -91,8 +91,8 @@ class SplineSurface:
         self._spline: Any = NdBSpline(self.knots, coefficients, degrees)
         (u0, u1), (v0, v1) = ((k[0], k[-1]) for k in self.knots)
         self.domain = float(u0), float(u1), float(v0), float(v1)
-        self.trim = Trim.of(trim, self.domain, name)
         self._check_regular()
+        self.trim = Trim.of(trim, self.domain, name)
 
     def __repr__(self) -> str:
         p, q = self.control.shape[:2]

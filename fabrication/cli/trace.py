@@ -78,9 +78,9 @@ def trace_command(
     """Trace a net of nearly planar quads on a surface: curvature lines, or conjugate lines.
 
     Writes the mesh [mm], trimmed at the rim of the surface (curved trims as polygons of 96 sides an
-    edge), a report (OUTPUT.json: spacing, planarity, umbilics, angles of the edges, which vertices
-    are inner, rim or corner) and a picture: umbilics, and how far an error of the surface would
-    turn the lines (conjugate lines: at which angle they meet). Several faces of a file are kept
+    edge; OBJ files have the groups inner, rim and corner), a report (OUTPUT.json: spacing,
+    planarity, umbilics, angles of the edges, tags of the vertices) and a picture: umbilics, and how
+    far an error of the surface would turn the lines (conjugate lines: at which angle they meet). Several faces of a file are kept
     together where the lines meet at their borders. `ddgfab optimize` makes the faces planar.
     Settings are those of [net]: `--set net.spacing_mm=1500`, and the parameters of surfaces by
     name: `ddgfab trace dome --set net.radius_x_mm=30e3`.
@@ -123,11 +123,12 @@ def _write(run: Session, output: Path, found: Patches, *, picture: bool, as_json
     """Write mesh, report and picture; print what was traced."""
     from ddgfab.io import write_mesh
     from ddgfab.io.atomic import atomic_path
+    from ddgfab.trace.groups import tag_groups
     from ddgfab.trace.mesh import TAGS
 
     record, rows = _report(found)
     tags = [TAGS[tag] for tag in found.tag.tolist()]
-    write_mesh(output, found.mesh, units="mm")
+    write_mesh(output, found.mesh, units="mm", groups=tag_groups(found.mesh, found.tag))
     with atomic_path(output.with_suffix(".json")) as temporary:
         text = json.dumps({**record, "vertex_tags": tags}, indent=1)
         temporary.write_text(text + "\n", encoding="utf-8")

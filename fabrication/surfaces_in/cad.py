@@ -14,6 +14,7 @@ from ddgfab.surfaces.trim import polygon_area
 from fabrication.formats.step.apart import apart
 from fabrication.formats.step.xcaf import components, free_labels, get_name, read_document
 from fabrication.surfaces_in.choice import FaceChoice, chosen, patch_name
+from fabrication.surfaces_in.damage import check_spline_surfaces
 from fabrication.surfaces_in.loops import CURVE_POINTS, closed_loop, thinned
 
 
@@ -30,10 +31,12 @@ def cad_faces(path: Path) -> list[CadFace]:
     Raises
     ------
     InputError
-        A file that is missing or cannot be read, or has no faces.
+        A file that is missing or cannot be read, or has no faces; spline surfaces whose knots or
+        weights are out of order.
     """
     if path.suffix.lower() in (".step", ".stp"):
         faces = _step_faces(path)
+        check_spline_surfaces(path.read_text(encoding="latin-1"), str(path))
     else:
         faces = [CadFace(face, ()) for face in _faces_of(_iges_shape(path))]
     if not faces:
@@ -176,6 +179,16 @@ def _surface(face: Any, name: str) -> SplineSurface:
     patch.SetVNotPeriodic()
     if periodic:  # its knots reach beyond the period: cut to it, with clamped ends
         patch.Segment(u0, u1, v0, v1)
+    for axis, degree, knots in (
+        ("u", patch.UDegree(), [patch.UKnot(k + 1) for k in range(patch.NbUKnots())]),
+        ("v", patch.VDegree(), [patch.VKnot(k + 1) for k in range(patch.NbVKnots())]),
+    ):
+        if degree == 1 and len(knots) > 2:
+            raise InputError(
+                f"{name}: degree 1 along {axis} with {len(knots) - 2} knots inside, the first at "
+                f"{axis} = {knots[1]:.6g}: it is creased there, and creases have no curvature\n"
+                "rebuild it as a cubic surface, or split it at its creases"
+            )
     patch.IncreaseDegree(max(2, patch.UDegree()), max(2, patch.VDegree()))
     count = patch.NbUPoles(), patch.NbVPoles()
     poles, weights = np.zeros((*count, 3)), np.ones(count)

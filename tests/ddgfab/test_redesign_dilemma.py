@@ -132,7 +132,7 @@ def test_worked_example_of_the_dome(turn: float, greatest: float, rms: float, le
 
 
 def smooth_movement(turn: float, apart: float) -> np.ndarray:
-    """(441,) least movement along the normal of the example's lattice, by its differential equation.
+    """(441,) least movement along the normal of the example's lattice, by an equation for it.
 
     Moved by w the dome's second form changes by the Hessian of w, so that a lattice with the
     conformal factor e^l is principal where w_uv - l_v w_u - l_u w_v = -II(d_u, d_v). Chebyshev
@@ -172,7 +172,7 @@ def smooth_movement(turn: float, apart: float) -> np.ndarray:
 
 @pytest.mark.parametrize("turn", [15, 30, 45])
 def test_dome_moves_as_its_differential_equation_says(turn: float) -> None:
-    """A second route, which shares nothing with the solver: equal to first order in the movement."""
+    """A second route, which shares nothing with the solver: equal to first order."""
     gaps = []
     for apart, near in ((0.1, 6e-3), (0.05, 2e-3)):
         w = smooth_movement(np.radians(turn), apart)

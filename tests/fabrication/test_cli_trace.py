@@ -118,8 +118,14 @@ def test_report_with_tags_and_picture_lie_beside_the_mesh(tmp_path: Path) -> Non
     code, text = run("saddle", "-o", target, "--spacing", 2500, "--through", "0,0,0")
     assert code == 0, text
     record = json.loads(target.with_suffix(".json").read_text())
-    mesh = read_mesh(target).in_place
+    read = read_mesh(target)
+    mesh = read.in_place
     tags = record["vertex_tags"]
+    for name in ("inner", "rim", "corner"):  # groups of the file, for rules of projects
+        ids = [v for v, tag in enumerate(tags) if tag == name or (name, tag) == ("rim", "corner")]
+        assert read.groups.vertices_of(name).tolist() == ids
+    assert len(read.groups.edges_of("rim")) == int(mesh.boundary_edge.sum())
+    assert not read.notes
     assert len(tags) == mesh.n_vertices
     assert tags.count("corner") == 4
     assert sum(tag != "inner" for tag in tags) == int(mesh.boundary_vertex.sum())

@@ -9,8 +9,12 @@ import pytest
 
 from ddgfab.errors import ProjectError
 from ddgfab.measures import planarity_percent
+from ddgfab.surfaces.analytic import named_surface
+from fabrication.gridshell import traced
 from fabrication.gridshell.design import design
 from fabrication.gridshell.load import make_project, project_for_mesh
+from fabrication.gridshell.traced import rim_distance, traced_net
+from fabrication.progress import silent
 
 NET = {"kind": "surface", "surface": "saddle", "spacing_mm": 2500, "width_mm": 12e3}
 
@@ -31,7 +35,34 @@ def test_round_an_umbilic_axes_are_made_upright() -> None:
     assert made.support.lean_deg_max < 30
     assert made.support.torsion_deg_max < 1e-8
     assert any("planar faces alone leave node axes that lean" in n for n in made.source.notes)
-    assert any(n.startswith("vertices lie") for n in made.source.notes)
+    assert any("because with the rim on them axes lean by" in n for n in made.source.notes)
+    surface = named_surface("monkey-saddle")
+    off = rim_distance([surface], made.mesh)
+    (told,) = (n for n in made.source.notes if n.startswith("vertices lie"))
+    assert f"those of the rim {off.mean():.3g} mm from its trimming curves" in told
+    # second route: the sides of the square of parameters, as points of the surface itself
+    (u0, u1), (v0, v1) = surface.domain[:2], surface.domain[2:]
+    at = np.linspace(0, 1, 4001)
+    sides = [(u0 + at * (u1 - u0), v + 0 * at) for v in (v0, v1)]
+    sides += [(u + 0 * at, v0 + at * (v1 - v0)) for u in (u0, u1)]
+    curve = np.concatenate([surface.points(np.stack(side, axis=1)) for side in sides])
+    gap = made.mesh.vertices[made.mesh.boundary_vertex][:, None] - curve
+    assert off == pytest.approx(np.linalg.norm(gap, axis=2).min(axis=1), abs=5.0)
+
+
+@pytest.mark.slow
+def test_rim_stays_on_the_trimming_curves_where_axes_can_be_upright(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With a limit that planar faces miss and upright axes with a gliding rim keep."""
+    net = make_project({"net": {"kind": "surface", "surface": "enneper", "spacing_mm": 2500}})
+    found = traced_net(net)
+    real = traced._lean_deg
+    leans = iter([90.0])
+    monkeypatch.setattr(traced, "_lean_deg", lambda *given: next(leans, None) or real(*given))
+    result, notes = traced.traced_optimum(found.mesh, found.reference, net, silent)
+    assert notes[0].endswith("with the rim on the trimming curves")
+    assert rim_distance(found.surfaces, result.mesh).max() < 5.0
 
 
 def test_settings_of_a_surface() -> None:

@@ -10,6 +10,7 @@ import pytest
 from ddgfab.errors import DdgError, InputError
 from fabrication.surfaces_in.choice import chosen
 from fabrication.surfaces_in.curves import read_curves
+from fabrication.surfaces_in.damage import check_spline_surfaces
 
 NAMES = [("east", "roof"), ("west", "roof"), ("roof",)]
 AREAS = [1e6, 2e6, 3e6]
@@ -91,6 +92,67 @@ def test_damaged_rhino_file_is_named(tmp_path: Path) -> None:
     path.write_bytes(b"3D Geometry File Format " + bytes(range(200)))
     with pytest.raises(DdgError, match=r"bad\.3dm: is (no Rhino file|damaged)"):
         find_surfaces(path)
+
+
+SIMPLE = (
+    "#3 = PRODUCT('a;b');\n#7 = B_SPLINE_SURFACE_WITH_KNOTS('',3,3,((#1,#2),\n(#3,#4)),"
+    ".UNSPECIFIED.,.F.,.F.,.F.,(4,1,4),(4,4),(0.,{0},1.),\n(0.,1.),.UNSPECIFIED.);\n"
+)
+RATIONAL = (
+    "#9=(BOUNDED_SURFACE() B_SPLINE_SURFACE(2,2,((#1,#2),(#3,#4)),.UNSPECIFIED.,.F.,.F.,.F.)\n"
+    "B_SPLINE_SURFACE_WITH_KNOTS((3,3),(3,3),(0.,1.),(0.,1.),.UNSPECIFIED.) "
+    "RATIONAL_B_SPLINE_SURFACE(((1.,0.5),\n({0},1.))) REPRESENTATION_ITEM('') SURFACE());"
+)
+
+
+def test_spline_surfaces_that_the_kernel_leaves_out_are_named() -> None:
+    check_spline_surfaces(SIMPLE.format("0.5") + RATIONAL.format("2."), "a.step")
+    with pytest.raises(
+        InputError, match=r"a\.step: surface #7: knots along u .*: knot 2 is 1 after"
+    ):
+        check_spline_surfaces(SIMPLE.format("2."), "a.step")
+    for weight in ("-0.5", "0."):
+        message = rf"surface #9: weight {float(weight):g} of control point \(1, 0\)"
+        with pytest.raises(InputError, match=message):
+            check_spline_surfaces(SIMPLE.format("0.5") + RATIONAL.format(weight), "a.step")
+    check_spline_surfaces("B_SPLINE_SURFACE_WITH_KNOTS(((.,.)),,1,.", "a.step")  # the kernel's
+
+
+@pytest.mark.slow
+def test_creased_surfaces_and_damaged_weights_of_step_files(tmp_path: Path) -> None:
+    """Degree 1 with knots inside; a weight turned negative in a file that was good before."""
+    import build123d
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
+    from OCP.Geom import Geom_BSplineSurface
+    from OCP.gp import gp_Pnt
+    from OCP.TColgp import TColgp_Array2OfPnt
+    from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
+
+    from fabrication.surfaces_in.cad import read_cad_surface
+
+    def write(degree: int, name: str) -> Path:
+        poles, weights = TColgp_Array2OfPnt(1, 4, 1, 4), TColStd_Array2OfReal(1, 4, 1, 4)
+        for i in range(4):
+            for j in range(4):
+                poles.SetValue(i + 1, j + 1, gp_Pnt(2e3 * i, 2e3 * j, 300.0 * i * (3 - i)))
+                weights.SetValue(i + 1, j + 1, 0.77777 if (i, j) == (1, 2) else 1.0)
+        count = 5 - degree
+        knots, times = TColStd_Array1OfReal(1, count), TColStd_Array1OfInteger(1, count)
+        for k in range(count):
+            knots.SetValue(k + 1, k / (count - 1))
+            times.SetValue(k + 1, degree + 1 if k in (0, count - 1) else 1)
+        made = Geom_BSplineSurface(poles, weights, knots, knots, times, times, degree, degree)
+        face = build123d.Face(BRepBuilderAPI_MakeFace(made, 1e-6).Face())
+        build123d.export_step(face, str(tmp_path / name))
+        return tmp_path / name
+
+    with pytest.raises(InputError, match=r"degree 1 along u with 2 knots inside, .* u = 0\.333"):
+        read_cad_surface(write(1, "creased.step"))
+    path = write(3, "good.step")
+    assert read_cad_surface(path).weights is not None
+    path.write_text(path.read_text().replace("0.77777", "-0.77777"))
+    with pytest.raises(InputError, match=r"weight -0\.77777 of control point \(1, 2\)"):
+        read_cad_surface(path)
 
 
 @pytest.mark.slow
