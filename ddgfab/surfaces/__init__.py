@@ -33,6 +33,7 @@ from ddgfab.surfaces.minimal import (
     smooth_scherk_tower,
     smooth_schwarz_p,
 )
+from ddgfab.surfaces.ribaucour import ChebyshevSurface, smooth_ribaucour
 from ddgfab.surfaces.sequences import KSequence, baecklund_sequence, smooth_darboux
 from ddgfab.surfaces.sine_gordon import (
     baecklund_angle,
@@ -44,6 +45,7 @@ from ddgfab.surfaces.sine_gordon import (
 )
 
 __all__ = [
+    "ChebyshevSurface",
     "KSequence",
     "KSurface",
     "Weierstrass",
@@ -72,6 +74,7 @@ __all__ = [
     "smooth_dual",
     "smooth_enneper",
     "smooth_isothermic_residuals",
+    "smooth_ribaucour",
     "smooth_scherk_tower",
     "smooth_schwarz_p",
     "soliton",

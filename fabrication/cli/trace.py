@@ -80,8 +80,9 @@ def trace_command(
     Writes the mesh [mm], trimmed at the rim of the surface (curved trims as polygons of 96 sides an
     edge; OBJ files have the groups inner, rim and corner), a report (OUTPUT.json: spacing,
     planarity, umbilics, angles of the edges, tags of the vertices) and a picture: umbilics, and how
-    far an error of the surface would turn the lines (conjugate lines: at which angle they meet). Several faces of a file are kept
-    together where the lines meet at their borders. `ddgfab optimize` makes the faces planar.
+    far an error of the surface would turn the lines (conjugate lines: at which angle they meet).
+    Several faces of a file are kept together where the lines meet at their borders.
+    `ddgfab optimize` makes the faces planar.
     Settings are those of [net]: `--set net.spacing_mm=1500`, and the parameters of surfaces by
     name: `ddgfab trace dome --set net.radius_x_mm=30e3`.
     """
