@@ -53,7 +53,8 @@ class ChebyshevSurface:
         u0, u1, v0, v1 = self.domain
         s = (2 * np.asarray(u, dtype=np.float64) - u0 - u1) / (u1 - u0)
         t = (2 * np.asarray(v, dtype=np.float64) - v0 - v1) / (v1 - v0)
-        return np.moveaxis(chebyshev.chebval2d(s, t, self.coefficients), 0, -1)
+        value: Floats = np.asarray(chebyshev.chebval2d(s, t, self.coefficients), dtype=np.float64)
+        return np.moveaxis(value, 0, -1)
 
     @staticmethod
     def of(
@@ -104,7 +105,8 @@ class _Grid:
 
     @cached_property
     def _inverse(self) -> Floats:
-        return np.linalg.inv(chebyshev.chebvander(self.nodes, self.count - 1))
+        rows = np.asarray(chebyshev.chebvander(self.nodes, self.count - 1), dtype=np.float64)
+        return np.asarray(np.linalg.inv(rows), dtype=np.float64)
 
     @cached_property
     def slopes(self) -> tuple[Floats, Floats]:
@@ -181,7 +183,7 @@ def smooth_ribaucour(
         raise DegenerateError("the start lies on the surface: the transform has no direction there")
     axis = grid.potential(a[..., None] * x_u, b[..., None] * x_v, away / length)
     slopes = [np.einsum("...i,...i->...", axis, way) for way in (x_u, x_v)]
-    phi = grid.potential(*slopes, 0.5 * length)
+    phi = grid.potential(slopes[0], slopes[1], 0.5 * length)
     square = np.einsum("...i,...i->...", axis, axis)
     worst = np.unravel_index(square.argmin(), square.shape)
     if square[worst] < RELATIVE_DEGENERATE * square.max():

@@ -131,6 +131,20 @@ def test_worked_example_of_the_dome(turn: float, greatest: float, rms: float, le
         assert np.degrees(np.percentile(found.after.principal, [50, 95])).tolist() < [0.05, 0.2]
 
 
+@pytest.mark.parametrize(
+    ("turn", "keep", "greatest", "rms", "left"),
+    [(30, 1.0, 154, 61.9, 0.052), (45, 0.5, 177, 70.2, 0.026), (45, 1.0, 177, 79.7, 0.052)],
+)
+def test_worked_example_with_its_anisotropy_kept(
+    turn: float, keep: float, greatest: float, rms: float, left: float
+) -> None:
+    """The other rows of the table, on the same lattice."""
+    found = dilemma(stereographic(np.radians(turn), 2 * 9796), keep=keep)
+    assert (found.greatest, found.rms) == pytest.approx((greatest, rms), rel=6e-3)
+    assert found.after.anisotropy_median == pytest.approx(left, abs=1.5e-3)
+    assert np.degrees(np.percentile(found.after.principal, [50, 100])).tolist() < [0.05, 0.2]
+
+
 def smooth_movement(turn: float, apart: float) -> np.ndarray:
     """(441,) least movement along the normal of the example's lattice, by an equation for it.
 

@@ -8,7 +8,7 @@ from surface_cases import ellipsoid_cap, exact_ellipsoid, graph
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.grid import grid_mesh
-from ddgfab.measures import planarity_percent
+from ddgfab.measures import circular_defect, planarity_percent
 from ddgfab.surfaces.analytic import named_surface
 from ddgfab.surfaces.fit import fit_mesh
 from ddgfab.surfaces.sampled import interpolated
@@ -92,6 +92,16 @@ def test_planarity_falls_with_the_third_power() -> None:
         means.append(percent.mean() * spacing)  # a distance
     assert means[0] / means[1] > 5
     assert means[1] / means[2] > 5
+
+
+def test_defect_of_opposite_angles_falls_with_the_second_power() -> None:
+    """Cells between curvature lines lie on circles up to the square of the spacing."""
+    surface = named_surface("wave-roof")
+    means = []
+    for spacing in (3000.0, 1500.0, 750.0):
+        found = traced(surface, spacing)
+        means.append(float(circular_defect(found.mesh)[found.inner_faces].mean()))
+    assert np.log2(np.array(means[:-1]) / means[1:]) == pytest.approx([2.0, 2.0], abs=0.1)
 
 
 def test_spacing_is_kept() -> None:
