@@ -67,7 +67,7 @@ class ArgumentError(InputError, TypeError):
 
 
 class MeshError(InputError):
-    """A mesh that is no oriented manifold surface, or that the task cannot use."""
+    """A mesh that is not an oriented manifold surface, or that the task cannot use."""
 
 
 class DegenerateError(DdgError, ValueError):

@@ -231,7 +231,7 @@ class Net:
         Raises
         ------
         MeshError
-            A face that is not a quad, or faces that are no grid; names one.
+            A face that is not a quad, or faces that are not grid; names one.
         """
         return Net.build(*_grid(mesh))
 

@@ -55,7 +55,7 @@ def associated_family(mesh: Mesh, *, tolerance: float = NET_INPUT) -> Associated
     Raises
     ------
     MeshError
-        A face that is no triangle, several components, or a surface that is not simply connected
+        A face that is not a triangle, several components, or a surface that is not simply connected
         (its conjugate has periods: cut it open).
     DegenerateError
         The mesh is not minimal, so the conjugate does not close; gives the gap.

@@ -62,7 +62,7 @@ def corner_cotangents(mesh: Mesh, vertices: ArrayLike | None = None) -> Floats:
     InputError
         Vertices that are not finite, or beyond all measure.
     MeshError
-        A face that is no triangle, vertices of another shape.
+        A face that is not a triangle, vertices of another shape.
     DegenerateError
         A triangle without area; names it.
 
@@ -145,7 +145,7 @@ def mean_curvature_vectors(mesh: Mesh) -> Floats:
     """(V, 3) grad_i A / A_i with `mixed_vertex_areas`: -2 H times the unit normal.
 
     On a sphere of radius R they point outward with length 2 / R. At boundary vertices they hold
-    the boundary's pull too and are no curvature.
+    the boundary's pull too and are not curvature.
 
     Source: mathematics.md 8.4; Meyer, Desbrun, Schroeder, Barr 2003.
     """

@@ -90,7 +90,7 @@ def minimize_area(
     Raises
     ------
     MeshError
-        A face that is no triangle, flags of the wrong shape, a component without a fixed vertex.
+        A face that is not a triangle, flags of the wrong shape, a component without a fixed vertex.
     DegenerateError
         A triangle that collapses (the boundary spans no such mesh; a neck pinches off), or no
         convergence; names the triangle, or the vertex and the gradient left there.

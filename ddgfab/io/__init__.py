@@ -151,8 +151,8 @@ def read_mesh(
     Raises
     ------
     MeshError
-        With file, line (text formats) and reason: what cannot be read, or is no oriented manifold
-        surface even after mending.
+        With file, line (text formats) and reason: what cannot be read, or is not an oriented
+        manifold surface even after mending.
     """
     path = Path(path)
     if not (np.isfinite(scale) and scale > 0):

@@ -59,7 +59,7 @@ def read_cells(path: str | Path) -> Cells:
     Raises
     ------
     MeshError
-        A file that is no OBJ, or faces that do not form an oriented surface.
+        A file that is not OBJ, or faces that do not form an oriented surface.
     """
     data = load_bytes(Path(path), LIMIT_BYTES)[0]
     raw = parse_obj(data, str(path))

@@ -41,9 +41,11 @@ def parse_compas(data: bytes, file: str) -> RawMesh:
     try:
         root = json.loads(decode(data, file))
     except json.JSONDecodeError as error:
-        raise MeshError(f"is no JSON: {error.msg}", file=file, line=error.lineno) from None
+        raise MeshError(f"is not JSON: {error.msg}", file=file, line=error.lineno) from None
     except (RecursionError, ValueError) as error:
-        raise MeshError(f"is no JSON that can be read: {clip(str(error), 80)}", file=file) from None
+        raise MeshError(
+            f"is not JSON that can be read: {clip(str(error), 80)}", file=file
+        ) from None
     found = list(_meshes(root, 0))
     if not found:
         raise MeshError(
@@ -65,7 +67,7 @@ def parse_compas(data: bytes, file: str) -> RawMesh:
     for name, face in _items(record["face"] if "face" in record else record["faces"]):
         loop = face.get("vertices") if isinstance(face, dict) else face
         if not isinstance(loop, list):
-            raise MeshError(f"face {clip(name)} is no list of vertices", file=file)
+            raise MeshError(f"face {clip(name)} is not a list of vertices", file=file)
         for vertex in loop:
             if str(vertex) not in rank:
                 raise MeshError(

@@ -1,4 +1,4 @@
-"""Faces that lie on one another, and vertices on the edges of faces that they are no corner of."""
+"""Faces that lie on one another, and vertices on the edges of faces of which they are no corner."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def overlapping(mesh: Mesh, corner: int, faces: Ints) -> str:
 
 
 def check_junctions(raw: RawMesh, mesh: Mesh) -> str:
-    """No vertex of the rim on the edge of a face of the same piece that it is no corner of.
+    """No vertex of the rim on the edge of a face of the same piece that it is not a corner of.
 
     Each edge is compared with the vertices beside it along the direction, of 13, that leaves the
     fewest, so that the work is almost linear.
@@ -134,7 +134,7 @@ def check_junctions(raw: RawMesh, mesh: Mesh) -> str:
             start, end = sorted(ends[edge[at]].tolist())
             raise raw.fail(
                 f"vertex {vertex[at]} lies on edge {start}-{end} of face {face}{raw.line_of(face)} "
-                "but is no corner of it (vertices counted from 0)\n"
+                "but is not a corner of it (vertices counted from 0)\n"
                 f"give face {face} a corner there, or split the face",
                 face=face,
             )

@@ -73,7 +73,7 @@ ADVICE: Final[dict[str, str]] = {
     ".7z": "is an archive: unpack it (single files may be packed with gzip, as roof.obj.gz)",
     ".rar": "is an archive: unpack it (single files may be packed with gzip, as roof.obj.gz)",
 }
-"""What to do with files that are no meshes, by suffix."""
+"""What to do with files that are not meshes, by suffix."""
 
 
 def suffix_of(path: Path) -> str:
@@ -97,7 +97,7 @@ def unknown_format(path: Path, known: tuple[str, ...]) -> MeshError:
 
 def _verb(advice: str) -> str:
     """Advice that starts with an order needs another beginning."""
-    return f"is no mesh of polygons: {advice}" if advice.startswith("export") else advice
+    return f"is not a mesh of polygons: {advice}" if advice.startswith("export") else advice
 
 
 def load_bytes(path: Path, limit_bytes: int) -> tuple[bytes, str]:

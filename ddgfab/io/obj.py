@@ -36,7 +36,7 @@ HEAD_CHARACTERS = 65_536
 """What a file says of its own length is looked for in so many characters from its start."""
 
 KINDS = 20
-"""Kinds of unknown lines that are counted separately; a file that is no OBJ may hold any number."""
+"""Kinds of unknown lines that are counted separately; a file that is not OBJ may hold any."""
 
 _EXTRA = {5: "vertex weights", 7: "vertex colors", 8: "vertex colors"}
 

@@ -41,7 +41,7 @@ def parse_off(data: bytes, file: str) -> RawMesh:
     ------
     MeshError
         No OFF header, binary or four-dimensional files, fewer vertices or faces than stated,
-        tokens that are no numbers.
+        tokens that are not numbers.
 
     Source: Geomview manual, OFF files.
     """
@@ -103,7 +103,7 @@ def _left_over(row: Row | None) -> list[str]:
 
 
 def _check_lines(rows: Iterator[Row], counts: tuple[int, int], file: str) -> None:
-    """Raise for the first line that is no record."""
+    """Raise for the first line that is not a record."""
     for line, parts in islice(rows, counts[0]):
         if len(parts) < 3:
             raise MeshError(

@@ -17,7 +17,7 @@ SEARCHED = 50
 def paired_in_order(mesh: Mesh) -> bool:
     """Whether all faces are triangles, of which the first two, the next two, ... form quads.
 
-    So programs write meshes of quads that they cut. One quad alone is no pattern.
+    So programs write meshes of quads that they cut. One quad alone is not a pattern.
     """
     if mesh.n_faces < 4 or mesh.n_faces % 2 or (mesh.face_sizes != 3).any():
         return False

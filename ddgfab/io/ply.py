@@ -59,7 +59,7 @@ def parse_ply(data: bytes, file: str) -> RawMesh:
     ------
     MeshError
         A header that is none, no vertices or faces in it, a file that ends too soon, tokens that
-        are no numbers. Line numbers for the header and for text files.
+        are not numbers. Line numbers for the header and for text files.
 
     Source: Turk, The PLY polygon file format, 1994.
     """

@@ -177,7 +177,7 @@ class Rows:
         Raises
         ------
         MeshError
-            A token that is no finite number, or one vertex too many.
+            A token that is not a finite number, or one vertex too many.
         """
         file = self.file
         x, y, z = tokens

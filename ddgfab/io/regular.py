@@ -42,8 +42,8 @@ def read_regular(
     Raises
     ------
     InputError
-        Of the class `error`: what is missing, is no regular file, is above the limit, or what the
-        system refuses to read.
+        Of the class `error`: what is missing, is not a regular file, is above the limit, or what
+        the system refuses to read.
     """
     file = str(path)
     try:
@@ -66,14 +66,14 @@ def read_regular(
         raise error("no such file", file=file) from None
     except InputError:
         raise
-    except (OSError, ValueError) as reason:  # also names with NUL, and such as are no UTF-8
+    except (OSError, ValueError) as reason:  # also names with NUL, and names that are not UTF-8
         if _is_folder(path):
             raise _wrong_kind(stat.S_IFDIR, what, file, error) from None
         text = getattr(reason, "strerror", None) or str(reason)
         raise error(f"cannot be read: {text}", file=file) from None
     if len(data) > size:
         raise error(
-            "grows while it is read, or is no file on a disk: copy it, and give the copy",
+            "grows while it is read, or is not a file on a disk: copy it, and give the copy",
             file=file,
         )
     return bytes(data)

@@ -181,7 +181,7 @@ def _check_ranges(raw: RawMesh) -> None:
 
 
 def _check_repeats(raw: RawMesh) -> None:
-    """No vertex twice in a face, at places that are no neighbours."""
+    """No vertex twice in a face, at places that are not neighbours."""
     again = _repeated(raw.corners, np.repeat(np.arange(len(raw.sizes)), raw.sizes))
     if again is not None:
         face, vertex = again

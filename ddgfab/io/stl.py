@@ -20,7 +20,7 @@ def parse_stl(data: bytes, file: str) -> RawMesh:
     Raises
     ------
     MeshError
-        A binary file of another length than it states, text that is no STL, no triangles.
+        A binary file of another length than it states, text that is not STL, no triangles.
 
     Source: 3D Systems, StereoLithography interface specification, 1989.
     """
@@ -34,7 +34,7 @@ def parse_stl(data: bytes, file: str) -> RawMesh:
     if data.lstrip()[:5].lower() != b"solid":
         stated = int(np.frombuffer(data, "<u4", 1, 80)[0]) if len(data) >= _HEADER else 0
         raise MeshError(
-            f"is no STL file: it does not start with 'solid', and a binary file of {stated} "
+            f"is not an STL file: it does not start with 'solid', and a binary file of {stated} "
             f"triangles has {_HEADER + stated * _RECORD.itemsize} bytes, not {len(data)}",
             file=file,
         )

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from ddgfab.errors import MeshError, clipped
 
 LARGEST_ID = 2**53
-"""Whole numbers beyond this are no ids of anything; they would not fit into arrays either."""
+"""Whole numbers beyond this are not ids of anything; they would not fit into arrays either."""
 
 
 def decode(data: bytes, file: str, lines_before: int = 0) -> str:

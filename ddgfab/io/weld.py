@@ -64,7 +64,7 @@ def weld(raw: RawMesh, distance: float | None = None) -> WeldedPolygons:
     ------
     MeshError
         A face that collapses at the distance that was asked for, or that has a vertex twice at
-        places that are no neighbours.
+        places that are not neighbours.
     """
     size = extent(raw.points)
     if distance is not None:

@@ -178,7 +178,7 @@ def interior_angles(mesh: Mesh) -> Floats:
 def translation_defect(mesh: Mesh) -> Floats:
     """How far quads are from parallelograms: |x_12 - x_1 - x_2 + x| in percent of the mean side.
 
-    All zero: a translation net, x_ij = p_i + q_j. 0 for faces that are no quads.
+    All zero: a translation net, x_ij = p_i + q_j. 0 for faces that are not quads.
 
     Returns
     -------

@@ -85,7 +85,7 @@ def isothermic_defect(mesh: Mesh) -> Floats:
     |log(q_0 q_1 q_2 q_3)| with q_k = (|e_k| |opposite|) / (|e_(k+1)| |opposite|) of the quads
     between successive edges e_k of a vertex with four of them. On a circular net |q| is the
     absolute cross-ratio, and all zero means |q| = |alpha_i / beta_j| in each grid: an isothermic
-    net. 0 at other vertices, and where a face at the vertex is no quad.
+    net. 0 at other vertices, and where a face at the vertex is not a quad.
 
     Returns
     -------

@@ -152,7 +152,7 @@ def lattice(
             )
     if not held and common is None:
         raise DegenerateError(
-            "the net with its transforms is no conjugate, circular, conical, isothermic, A- or "
+            "the net with its transforms is not a conjugate, circular, conical, isothermic, A- or "
             "T-net, so that the lattice cannot be checked; give residuals or the common transform"
         )
     return z
@@ -160,7 +160,7 @@ def lattice(
 
 def _sheet(given: ArrayLike, net: Floats, what: str) -> Floats:
     if not is_numeric(given):
-        raise InputError(f"{what} is no array of numbers of shape {net.shape}")
+        raise InputError(f"{what} is not an array of numbers of shape {net.shape}")
     sheet = of_shape(given, net.shape, what)
     finite(sheet, what)
     return sheet
@@ -260,7 +260,7 @@ def common_transform(
     InputError
         Shapes that do not fit, numbers that are not finite.
     DegenerateError
-        A quad that is not planar, or layers that are no transforms of the net; as `evolve_nd`.
+        A quad that is not planar, or layers that are not transforms of the net; as `evolve_nd`.
 
     Source: Bobenko, Suris, 2.1, 3.1; mathematics.md 1.9.
     """
@@ -275,6 +275,6 @@ def common_transform(
     for name, sheet, layer in (("first", a, made[..., 1, 0, :]), ("second", b, made[..., 0, 1, :])):
         gap = np.linalg.norm(sheet - layer, axis=-1)
         Place(name=f"{name} transform, point").refuse(
-            gap > tolerance * size, "it is no transform of the net: distance", gap
+            gap > tolerance * size, "it is not a transform of the net: distance", gap
         )
     return np.asarray(made[..., 1, 1, :])

@@ -178,7 +178,7 @@ def evolve_tnet(surfaces: Mapping[tuple[int, int], ArrayLike], *, verify: bool =
     InputError
         A missing surface, shapes that do not fit, surfaces with different axes.
     DegenerateError
-        A surface that is no T-net, m_k = m_l, no star-triangle map; with `verify` a second point
+        A surface that is not a T-net, m_k = m_l, no star-triangle map; with `verify` a second point
         elsewhere. Names the cell.
 
     Source: mathematics.md 3.3; Bobenko, Suris, Discrete Differential Geometry, 2.3.

@@ -32,7 +32,7 @@ KEPT: Final = 0.5
 """Part of the anisotropy that is kept by default where edges are turned by more than `_TURNED`."""
 _TURNED: Final = np.radians(25.0)
 _LARGE: Final = 0.05
-"""Forecasts beyond this part of the size are no small change."""
+"""Forecasts beyond this part of the size are not small changes."""
 _OFF: Final = 0.01
 """Drawn nets whose vertices lie further from the surface than this part of its size are refused."""
 
@@ -266,7 +266,7 @@ def dilemma(
 
 
 def large(forecast: Movement, mesh: Mesh) -> str:
-    """A warning where the forecast is no small change of the surface; else empty."""
+    """A warning where the forecast is not a small change of the surface; else empty."""
     size = mesh.diameter
     if forecast.greatest <= _LARGE * size:
         return ""

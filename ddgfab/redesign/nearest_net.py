@@ -37,7 +37,7 @@ _STEPS: Final = 25
 _MET, _STILL = 1e-9, 1e-4
 """Residual of the equations and step [mean edges] at which the search ends."""
 _LONGEST: Final = 2.0
-"""A step further than this [mean edges] is no small change: the search gives up."""
+"""A step further than this [mean edges] is not a small change: the search gives up."""
 _SOFT, _REFINED = 1e-9, 3
 """Softness of the equations that keeps pivots apart from zero, and how often it is made good."""
 _FLAT, _BENT = 30.0, 300.0

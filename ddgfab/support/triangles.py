@@ -104,7 +104,7 @@ def incircle_axes(mesh: Mesh) -> tuple[Floats, Floats]:
     Raises
     ------
     SupportError
-        A face that is no triangle, or one without area; names it.
+        A face that is not a triangle, or one without area; names it.
 
     Source: Schiftner, Hoebinger, Wallner, Pottmann 2009; mathematics.md 10.6, 10.11.
     """

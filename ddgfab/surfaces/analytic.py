@@ -161,7 +161,7 @@ def named_surface(name: str, parameters: Mapping[str, Any] | None = None) -> Spl
     Raises
     ------
     InputError
-        An unknown name or parameter (names the nearest), or a value that is no finite number, or
+        An unknown name or parameter (names the nearest), or a value that is not a finite number, or
         a length that is not positive.
     """
     if name not in SURFACES:

@@ -29,7 +29,7 @@ _WORSE: Final = 1.08
 _SHRINK: Final = 0.985
 """The trim is the rim of the mesh, smaller by this: directions are worst at the rim."""
 _FAR: Final = 0.01
-"""A residual (root mean square) beyond this part of the size is no fit."""
+"""A residual (root mean square) beyond this part of the size is not a fit."""
 _FOLDED: Final = 1e-3
 """Part of the area that may face down in plan: slivers turned over by noise, no folds."""
 _NEAREST: Final = 1e-9

@@ -96,7 +96,7 @@ def dini_lines(u: Complexes, v: Complexes, sigma: float = 0.5 * np.pi) -> Array:
     """(..., 3) points of Dini's surface: the tractrix in u turned by v and raised with it.
 
     Lines v = const are the tractrices; the lines u = const are helices across them at an angle, so
-    that F is not 0, and the parameters are no curvature lines unless sigma = pi / 2.
+    that F is not 0, and the parameters are not curvature lines unless sigma = pi / 2.
 
     Raises
     ------

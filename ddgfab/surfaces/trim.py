@@ -76,8 +76,8 @@ class Trim:
             if outside.all():
                 u, v = hole[0]
                 raise InputError(
-                    f"{name}: trim {number} is no hole: it lies outside of trim 0, at u = {u:.6g}, "
-                    f"v = {v:.6g}"
+                    f"{name}: trim {number} is not a hole: it lies outside of trim 0, at "
+                    f"u = {u:.6g}, v = {v:.6g}"
                 )
         return trim
 
@@ -138,7 +138,7 @@ class Trim:
         return first, np.where(np.isfinite(first), which, -1)
 
     def _check_simple(self, name: str) -> None:
-        """Raise where two segments cross that are no neighbors."""
+        """Raise where two segments cross that are not neighbors."""
         a, b = self.starts, self.ends
         way = b - a
         turn = way[:, None, 0] * way[None, :, 1] - way[:, None, 1] * way[None, :, 0]

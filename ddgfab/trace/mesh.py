@@ -91,7 +91,7 @@ def network_mesh(network: Network) -> TracedMesh:
         Cells that do not cover the trim (a hole that no line reaches, lines that touch); names the
         areas.
     MeshError
-        Cells that are no manifold mesh.
+        Cells that are not a manifold mesh.
     """
     surface, trim = network.field.surface, network.field.surface.trim
     graph, stops, rim_stops = _nodes(network)

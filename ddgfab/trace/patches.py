@@ -30,7 +30,7 @@ class Patches:
     Attributes
     ----------
     surfaces, traced : one a patch
-    tag : (V,) index into `ddgfab.trace.mesh.TAGS`; vertices of a border inside are no rim
+    tag : (V,) index into `ddgfab.trace.mesh.TAGS`; vertices of a border inside do not count as rim
     joints : sentences on the borders, and on what could not be kept together
     """
 

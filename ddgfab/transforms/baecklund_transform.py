@@ -172,7 +172,7 @@ def bianchi(net: KNet, first: KNet, second: KNet) -> KNet:
     Raises
     ------
     InputError
-        Shapes or scales that differ, or nets that are no transforms; names the point.
+        Shapes or scales that differ, or nets that are not transforms; names the point.
     DegenerateError
         The transforms coincide at a point; names it.
 

@@ -95,7 +95,7 @@ def check_assembly(
     Raises
     ------
     KernelError
-        A mesh is no closed manifold.
+        A mesh is not a closed manifold.
     """
     report = examine_assembly(
         families,
@@ -244,13 +244,13 @@ class Bodies:
         Raises
         ------
         KernelError
-            The mesh is no closed manifold.
+            The mesh is not a closed manifold.
         """
         if number not in self._made:
             body = to_manifold(self._meshes[number])
             if body.status().name != "NoError":
                 raise KernelError(
-                    f"{self._names[number]}: its mesh is no closed manifold "
+                    f"{self._names[number]}: its mesh is not a closed manifold "
                     f"({body.status().name}), so its clearances cannot be checked"
                 )
             self._made[number] = body

@@ -70,13 +70,13 @@ class ClosedMesh:
         Raises
         ------
         KernelError
-            The mesh is no closed manifold.
+            The mesh is not a closed manifold.
         """
         triangles = self.mesh.triangles if self.volume >= 0 else self.mesh.triangles[:, ::-1]
         made = to_manifold(TriangleMesh(self.mesh.vertices, np.ascontiguousarray(triangles)))
         if made.status().name != "NoError":
             raise KernelError(
-                f"{self.name or 'a body'}: its mesh is no closed manifold ({made.status().name})"
+                f"{self.name or 'a body'}: its mesh is not a closed manifold ({made.status().name})"
             )
         return made
 
@@ -110,7 +110,7 @@ def overlaps(
     Raises
     ------
     KernelError
-        A mesh is no closed manifold.
+        A mesh is not a closed manifold.
     """
     if not len(owner):
         return []

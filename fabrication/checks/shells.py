@@ -223,7 +223,7 @@ def examine_shells(mesh: TriangleMesh, tolerance: float) -> Shells | int:
             problems.append(
                 "inside out or without volume"
                 if len(volumes) == 1
-                else f"shell {shell + 1} looks inwards and is no cavity of a body: inside out"
+                else f"shell {shell + 1} looks inwards and is not a cavity of a body: inside out"
             )
     total = float(volumes.sum())
     if len(volumes) > 1 and problems:

@@ -70,7 +70,7 @@ def init_command(
 
 
 def _is_linkage(source: str) -> bool:
-    """Whether a project file, or a kind that is no kind of net too, is of a linkage."""
+    """Whether a project file, or a kind that is not a kind of net too, is of a linkage."""
     from ddgfab.forms.registry import kinds
     from fabrication.gridshell.load import KIT
     from fabrication.linkage.project import kit_kinds

@@ -265,7 +265,7 @@ class Format:
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """Write the files of the whole below the output folder, or replace them.
 
-        Returns what could not be written though it is no fault of the structure.
+        Returns what could not be written though it is not a fault of the structure.
         """
         return []
 

@@ -28,7 +28,7 @@ Source: TypeAlias = (
 
 
 def given_mesh(source: Source, axes: ArrayLike | None) -> tuple[Mesh | None, ArrayLike | None]:
-    """The mesh of a source that is no file, and its node axes; None where there is none.
+    """The mesh of a source that is not a file, and its node axes; None where there is none.
 
     Raises
     ------

@@ -74,7 +74,7 @@ def _project(values: Mapping[str, Any], file: Path | None, origin: Origin) -> Pr
     for section in ("beam", "node"):
         if "bolt" in sections.get(section, {}):
             raise origin.error(
-                f"[{section}] bolt is no setting: beam and node are joined by one rule, "
+                f"[{section}] bolt is not a setting: beam and node are joined by one rule, "
                 '[connection] kind = "stud" with bolt = "M12", or kind = "welded" without holes',
                 section,
                 "bolt",

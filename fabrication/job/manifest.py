@@ -252,7 +252,7 @@ def made_from(folder: Path) -> dict[str, Any] | None:
 def listed(folder: Path) -> dict[str, dict[str, Any]]:
     """The files that a folder's manifest lists, by path; empty where it has none of ours.
 
-    Records that are no records, and paths that would leave the folder, are passed over.
+    Records that are not records, and paths that would leave the folder, are passed over.
     """
     try:
         records = read_manifest(folder / MANIFEST).get("files")

@@ -16,7 +16,7 @@ class JobResult:
     folder : where everything is
     manifest : what manifest.json says
     problems : what failed a check or a limit, a line each
-    warnings : what could not be done but is no fault of the structure
+    warnings : what could not be done but is not a fault of the structure
     seconds : what each step took
     kept : files of others, and edited ones of ours, that got another name; jobs put right
     """

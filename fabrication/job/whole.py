@@ -36,7 +36,7 @@ def write_whole(
 def draw(folder: Path, whole: Whole) -> tuple[list[str], list[Check], dict[str, float]]:
     """Write preview.png; what is returned is as for `write_whole`.
 
-    A machine without graphics is no fault of the structure: no preview then, and a warning.
+    A machine without graphics is not a fault of the structure: no preview then, and a warning.
     """
     begin = time.perf_counter()
     meshes = {number: part.mesh for number, part in whole.parts.items()}

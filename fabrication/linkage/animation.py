@@ -54,7 +54,7 @@ class Gif(Format):
         return [ANIMATION]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
-        """See `write_animation`; a machine without graphics is no fault of the linkage."""
+        """See `write_animation`; a machine without graphics is not a fault of the linkage."""
         try:
             write_animation(folder / ANIMATION, self.scene)
         except OutputError as error:

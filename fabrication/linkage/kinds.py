@@ -158,8 +158,8 @@ class KNetLinkage(Section):
         Raises
         ------
         InputError, MeshError
-            The file is no K-net: names the worst vertices and their defect. The patch or anchor is
-            not in the net.
+            The file is not a K-net: names the worst vertices and their defect. The patch or anchor
+            is not in the net.
         """
         net = self.net(folder)
         longest = net.r * max(float(np.sin(delta).max()) for delta in net.deltas)

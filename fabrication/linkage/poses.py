@@ -46,7 +46,7 @@ def check_poses(
     Raises
     ------
     KernelError
-        A mesh is no closed manifold; names its part number.
+        A mesh is not a closed manifold; names its part number.
     """
     settings = kit.linkage.settings
     everywhere = dict.fromkeys(combinations_with_replacement(MOVING, 2), settings.axial_gap)

@@ -57,7 +57,7 @@ def parse_rhino(data: bytes, file: str) -> RawMesh:
     Raises
     ------
     MeshError
-        The library is missing, the file is no Rhino file or damaged, or it holds no mesh (and
+        The library is missing, the file is not a Rhino file or damaged, or it holds no mesh (and
         what it holds instead).
 
     Source: openNURBS, `ON_Mesh` and `ON_3dmSettings`, read by rhino3dm.
@@ -133,7 +133,7 @@ def in_child(data: bytes, file: str, module: str) -> dict[str, Any]:
     except subprocess.TimeoutExpired:
         raise MeshError(f"takes more than {SECONDS:g} s to read: damaged?", file=file) from None
     if done.returncode == _NO_FILE:
-        raise MeshError("is no Rhino file that can be read: damaged?", file=file)
+        raise MeshError("is not a Rhino file that can be read: damaged?", file=file)
     if done.returncode != 0:
         raise MeshError(
             "is damaged, or needs too much memory: the library that reads Rhino files ended "

@@ -87,7 +87,7 @@ class FastenerShape:
         """
         builder = BoundaryBuilder()
         if not self.length > 0.0 or self.inside >= max(self.flats, self.outside, 1e-9) > 1e-9:
-            raise DetailError(f"{self.designation} is no fastener")
+            raise DetailError(f"{self.designation} is not a fastener")
         start, end = End(0.0, 0.0, None, -1.0), End(self.length, 0.0, None, 1.0)
         if self.kind == "bolt":
             shank = segments(_circle(self.diameter))

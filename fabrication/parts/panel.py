@@ -232,8 +232,8 @@ def panel_boundary(shape: PanelShape) -> Boundary:
     n = len(low)
     if n < 3 or len(high) != n or shape.thickness <= 0.0:
         raise DetailError(
-            f"a panel of {n} and {len(high)} corners and thickness {shape.thickness:.6g} mm is no "
-            f"solid"
+            f"a panel of {n} and {len(high)} corners and thickness {shape.thickness:.6g} mm is not "
+            f"a solid"
         )
     for name, polygon in (("inner", low), ("outer", high)):
         twice = sum(cross(p, q)[2] for p, q in zip(polygon, polygon[1:] + polygon[:1], strict=True))

@@ -73,7 +73,7 @@ def pin_boundary(shape: PinShape) -> Boundary:
     """
     if shape.diameter <= 0.0 or shape.length <= 0.0:
         raise DetailError(
-            f"a pin of {shape.diameter:.6g} mm and length {shape.length:.6g} mm is no solid"
+            f"a pin of {shape.diameter:.6g} mm and length {shape.length:.6g} mm is not a solid"
         )
     headed = shape.head_height > 0.0
     if headed and shape.head_diameter <= shape.diameter:

@@ -197,7 +197,7 @@ def star_boundary(shape: StarShape) -> Boundary:
     if len(shape.azimuths) < 2 or not shape.z1 > shape.z0 or min(between) <= 0.0:
         raise DetailError(
             f"a star of {len(shape.azimuths)} plates from z = {shape.z0:.6g} to {shape.z1:.6g} mm "
-            "is no solid"
+            "is not a solid"
         )
     inner = [half / math.tan(gap / 2.0) if gap < math.pi else 0.0 for gap in between]
     worst = max(range(len(inner)), key=lambda k: inner[k])

@@ -1,4 +1,4 @@
-"""What is meant where a project file is no TOML: the line, and how it is written."""
+"""What is meant where a project file is not TOML: the line, and how it is written."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def place_of(error: tomllib.TOMLDecodeError, text: str) -> tuple[int, int | None
 
 
 def advice_for(line: str) -> str:
-    """How a line that is no TOML is written; an empty text where that is not clear."""
+    """How a line that is not TOML is written; an empty text where that is not clear."""
     try:
         tomllib.loads(line)
     except tomllib.TOMLDecodeError:

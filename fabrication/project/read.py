@@ -129,7 +129,7 @@ def parse_toml(text: str) -> dict[str, Any]:
     Raises
     ------
     tomllib.TOMLDecodeError
-        Text that is no TOML.
+        Text that is not TOML.
     ProjectError
         Lists in lists without end, a number of more digits than any computer number has, or a key
         of more than `KEY_PARTS` parts.

@@ -44,7 +44,7 @@ GLYPHS: Final[dict[str, str]] = {
     ".": "0 0 0 0 1",
     " ": "0 0 0 0 0",
 }
-"""Rows of dots from top to bottom. No two dots touch at a corner only: that is no solid."""
+"""Rows of dots from top to bottom. No two dots touch at a corner only: that is not a solid."""
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ def build_up(text: str) -> BuildUp:
     Raises
     ------
     ProjectError
-        Not such a text, a ply that is no float glass, a cavity or a number of films out of range;
+        Not such a text, a ply that is not float glass, a cavity or a number of films out of range;
         names the element, its place, and what is allowed.
     """
     if len(text) > LONGEST:
@@ -106,7 +106,7 @@ def build_up(text: str) -> BuildUp:
 def _pane(element: str, where: str) -> Sheet:
     """A pane: one ply, or plies and the films between them."""
     if not re.fullmatch(r"[0-9]{1,3}(\.[0-9]{1,3}){0,4}", element):
-        raise ProjectError(f"{where}, is no pane: {FORM}")
+        raise ProjectError(f"{where}, is not a pane: {FORM}")
     numbers = [int(number) for number in element.split(".")]
     film = table("glass")["film"]
     films = int(film["usual"]) if len(numbers) > 1 else 0
@@ -115,7 +115,7 @@ def _pane(element: str, where: str) -> Sheet:
         if not 1 <= films <= film["most"]:
             more = ".".join(map(str, [*numbers, films]))
             raise ProjectError(
-                f"{where}: {films} is no number of films (1 to {film['most']}); three plies are "
+                f"{where}: {films} is not a number of films (1 to {film['most']}); three plies are "
                 f'written with their films, "{more}.{film["usual"]}"'
             )
     known = table("glass")["ply"]["thickness"]
@@ -133,7 +133,7 @@ def _cavity(element: str, where: str) -> Cavity:
     found = re.fullmatch(r"([0-9]{1,3})([A-Za-z]*)", element)
     gases = [name for name in table("glass")["gas"] if name != "source"]
     if found is None:
-        raise ProjectError(f"{where}, is no cavity: {FORM}")
+        raise ProjectError(f"{where}, is not a cavity: {FORM}")
     names = {name.lower(): name for name in gases}
     gas = names.get(found[2].lower() or "air")
     if gas is None:

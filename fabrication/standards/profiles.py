@@ -111,7 +111,7 @@ def stock_lengths(section: Profile) -> tuple[tuple[float, ...], str] | None:
 def lying(section: Profile) -> str:
     """Where a flat bar or hollow section lies on its side, as text, and which one stands.
 
-    Others give an empty text: what lies is no question of theirs.
+    Others give an empty text: what lies is not a question of theirs.
     """
     family = section.name.partition(" ")[0]
     if family not in ("FL", "RHS") or section.width <= section.depth:
@@ -125,7 +125,7 @@ def lying(section: Profile) -> str:
 
 
 def first_crossing(corners: Floats) -> tuple[int, int] | None:
-    """Two sides of a closed (n, 2) polygon that meet although they are no neighbours, or None."""
+    """Two sides of a closed (n, 2) polygon that meet although they are not neighbours, or None."""
     n = len(corners)
     ahead = np.roll(corners, -1, axis=0)
 

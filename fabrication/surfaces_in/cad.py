@@ -54,8 +54,8 @@ def read_cad_surfaces(path: Path, faces: FaceChoice = None) -> list[SplineSurfac
     Raises
     ------
     InputError
-        No such face, several faces and none chosen (lists them), or one that is no regular patch;
-        a file that the kernel cannot read, or not within the limits of time and memory.
+        No such face, several faces and none chosen (lists them), or one that is not a regular
+        patch; a file that the kernel cannot read, or not within the limits of time and memory.
     """
     return apart(_read_surfaces, path, faces)
 
@@ -141,7 +141,7 @@ def _iges_shape(path: Path) -> Any:
         raise InputError("no such file", file=str(path))
     reader = IGESControl_Reader()
     if reader.ReadFile(str(path)) != IFSelect_ReturnStatus.IFSelect_RetDone:
-        raise InputError("is no IGES file that can be read", file=str(path))
+        raise InputError("is not an IGES file that can be read", file=str(path))
     reader.TransferRoots()
     return reader.OneShape()
 

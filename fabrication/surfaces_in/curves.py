@@ -36,8 +36,8 @@ def read_curves(path: Path) -> list[Floats]:
     Raises
     ------
     InputError
-        A file that is missing, of another kind, or holds no curve; a row that is no point (with its
-        line).
+        A file that is missing, of another kind, or holds no curve; a row that is not a point (with
+        its line).
     """
     suffix = path.suffix.lower()
     if suffix not in CURVE_SUFFIXES:
@@ -69,7 +69,7 @@ def _text(data: bytes, file: str) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise InputError("is no text file in UTF-8", file=file) from None
+        raise InputError("is not a text file in UTF-8", file=file) from None
 
 
 def _dxf(data: bytes, file: str) -> list[Floats]:
@@ -80,7 +80,9 @@ def _dxf(data: bytes, file: str) -> list[Floats]:
     try:
         document, _ = recover.read(io.BytesIO(data))
     except (DXFError, OSError, ValueError) as error:
-        raise InputError(f"is no DXF file that can be read ({clipped(error)})", file=file) from None
+        raise InputError(
+            f"is not a DXF file that can be read ({clipped(error)})", file=file
+        ) from None
     factor = FACTORS[_DXF_UNITS.get(int(document.header.get("$INSUNITS", 4)), "mm")]
     out = []
     for entity in document.modelspace():
@@ -171,7 +173,7 @@ def _point(tokens: list[str], file: str, line: int) -> tuple[float, float, float
         x, y, z = (float(token) for token in tokens)
     except ValueError:
         raise InputError(
-            f"{clipped(' '.join(tokens))} is no point: three numbers are needed",
+            f"{clipped(' '.join(tokens))} is not a point: three numbers are needed",
             file=file,
             line=line,
         ) from None

@@ -44,8 +44,8 @@ def read_rhino_surfaces(path: Path, faces: FaceChoice = None) -> list[SplineSurf
     Raises
     ------
     InputError
-        The library is missing, the file is no Rhino file or damaged, holds no surface or states no
-        unit; faces as `chosen`; a face that is closed and trimmed, or whose edges lie off it.
+        The library is missing, the file is not a Rhino file or damaged, holds no surface or states
+        no unit; faces as `chosen`; a face that is closed and trimmed, or whose edges lie off it.
 
     Source: openNURBS, `ON_Brep` and `ON_NurbsSurface`, read by rhino3dm.
     """

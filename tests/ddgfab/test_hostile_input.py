@@ -302,7 +302,7 @@ def test_finite_or_an_error_of_ours(name: str) -> None:
     for argument, value in valid.items():
         for other in hostile(value):
             try:
-                # Overflow on the way to an error is no harm.
+                # Overflow on the way to an error is not a harm.
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")
                     found = call(**{**valid, argument: other})

@@ -49,7 +49,7 @@ def test_only_regular_files_are_read_and_nothing_is_waited_for(
     for target, reason in [
         ("/dev/zero", "this is a device"),
         ("/dev/tty", "this is a device|cannot be read"),
-        ("/proc/self/maps", "is no file on a disk"),
+        ("/proc/self/maps", "is not a file on a disk"),
         ("/proc", "this is a folder"),
     ]:
         if Path(target).exists():
@@ -137,10 +137,10 @@ def test_packed_files_are_unpacked_up_to_the_limit(tmp_path: Path) -> None:
 def test_large_and_deep_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.json"
     path.write_text("[" * 100_000)
-    with pytest.raises(MeshError, match="is no JSON that can be read"):
+    with pytest.raises(MeshError, match="is not JSON that can be read"):
         read_mesh(path)
     path.write_text('{"vertices": [[' + "9" * 5000 + ', 0, 0]], "faces": [[0, 1, 2]]}')
-    with pytest.raises(MeshError, match="is no JSON that can be read"):
+    with pytest.raises(MeshError, match="is not JSON that can be read"):
         read_mesh(path)
     monkeypatch.setattr(compas, "LIMIT_JSON", 1000)
     path.write_text("[" + "0," * 1000 + "0]")

@@ -48,7 +48,7 @@ def test_binary_stl_of_cut_quads_gives_the_quads_back(shuffled: bool, tmp_path: 
     assert any("--quads" in note for note in read.notes) != shuffled
     assert same_faces(read_mesh(path, quads=True).mesh, mesh)
     path.write_bytes(path.read_bytes()[:-10])
-    with pytest.raises(MeshError, match="is no STL file"):
+    with pytest.raises(MeshError, match="is not an STL file"):
         read_mesh(path)
 
 

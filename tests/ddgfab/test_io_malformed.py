@@ -98,7 +98,7 @@ TABLE: list[tuple[str, str | bytes, int | None, str]] = [
     ("stl", "solid\n", None, "0 corners are there, and endsolid is missing"),
     ("abc", "solid\n", None, "unknown kind of mesh file '.abc'; known: .obj, .off, .ply, .stl"),
     ("step", "ISO-10303-21;\n", None, "mesh it in your CAD program and export a polygon mesh"),
-    ("json", "{", 1, "is no JSON"),
+    ("json", "{", 1, "is not JSON"),
     ("json", '{"value": 3}', None, "holds no mesh of COMPAS"),
 ]
 

@@ -135,7 +135,7 @@ def test_jacobian_by_differences() -> None:
         # The same space of rows: nothing of one is left beside the other.
         assert np.abs(theirs - theirs @ np.linalg.pinv(ours) @ ours).max() < 1e-8
         assert np.linalg.matrix_rank(theirs, tol=1e-6) == 6
-    # And a turn of everything about any axis is no change.
+    # And a turn of everything about any axis is not a change.
     turn = rng.normal(size=3)
     moved = np.concatenate([np.cross(turn, points / size), np.cross(turn, axes)]).ravel()
     assert np.abs(jacobian @ moved).max() < 1e-14

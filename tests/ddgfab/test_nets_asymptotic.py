@@ -19,7 +19,7 @@ from ddgfab.nets import (
 
 
 def anet(scale: float = 1.0) -> Floats:
-    """A-net that is no K-net, from a T-net with uneven coefficients."""
+    """A-net that is not a K-net, from a T-net with uneven coefficients."""
     rng = np.random.default_rng(8)
     lines = [
         np.array([0.2, 0.3, 1.0]) + np.cumsum(np.vstack([np.zeros(3), s]), axis=0)
@@ -37,7 +37,7 @@ def test_a_net_of_a_moutard_field_has_planar_stars(scale: float) -> None:
     e = [x[2:, 1:-1] - x[1:-1, 1:-1], x[1:-1, 2:] - x[1:-1, 1:-1], x[:-2, 1:-1] - x[1:-1, 1:-1]]
     volume = np.einsum("ijk,ijk->ij", e[0], np.cross(e[1], e[2]))
     assert np.abs(volume).max() < 1e-12 * scale**6
-    # Quads are far from planar: it is no conjugate net.
+    # Quads are far from planar: it is not a conjugate net.
     corner = np.einsum(
         "ijk,ijk->ij",
         x[1:, 1:] - x[:-1, :-1],

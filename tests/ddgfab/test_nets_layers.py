@@ -146,7 +146,7 @@ def test_lattices_of_conical_nets_are_conical() -> None:
     ("wrong", "words"),
     [
         (lambda y: y[1:], r"the net of transform_b has shape \(5, 5, 3\); \(6, 5, 3\)"),
-        (lambda y: None, "the net of transform_b is no array of numbers"),
+        (lambda y: None, "the net of transform_b is not an array of numbers"),
         (lambda y: y * np.nan, r"the net of transform_b: entry \(0, 0, 0\) is nan"),
     ],
 )

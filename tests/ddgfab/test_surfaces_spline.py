@@ -128,7 +128,7 @@ def plain(**change: object) -> SplineSurface:
         ({"trim": [[(0, 0), (1, 1)]]}, "2 corners"),
         (
             {"trim": [[(0, 0), (0.4, 0), (0, 0.4)], [(0.6, 0.6), (0.9, 0.6), (0.6, 0.9)]]},
-            "trim 1 is no hole: it lies outside of trim 0",
+            "trim 1 is not a hole: it lies outside of trim 0",
         ),
     ],
 )

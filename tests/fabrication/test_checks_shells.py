@@ -69,7 +69,7 @@ WRONG = {
     ),
     "a cavity in a cavity": (
         [cube(10), inward(cube(6, 2, 2, 2)), inward(cube(2, 3, 3, 3))],
-        "shell 3 looks inwards and is no cavity",
+        "shell 3 looks inwards and is not a cavity",
         784,
     ),
     "a cavity that comes out": (
@@ -77,7 +77,7 @@ WRONG = {
         "shells 1 and 2 intersect",
         820,
     ),
-    "a cavity outside": ([cube(10), inward(cube(5, 20, 0, 0))], "is no cavity", 1000),
+    "a cavity outside": ([cube(10), inward(cube(5, 20, 0, 0))], "is not a cavity", 1000),
 }
 
 

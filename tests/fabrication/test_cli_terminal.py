@@ -19,7 +19,7 @@ from fabrication.cli.terminal import Session
 
 ESCAPE, BIDI, NEXT_LINE = "\x1b[31m", "\u202e", "\x85"
 STEERING = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
-"""What no output may have: everything that is no line break and that a terminal obeys."""
+"""What no output may have: everything that is not a line break and that a terminal obeys."""
 
 
 def run(*words: object) -> tuple[int, str]:
@@ -135,7 +135,7 @@ def test_escapes_of_the_library() -> None:
     assert clipped("ab\ncd") == r"ab\ncd"
     assert clipped("x" * 61) == "x" * 60 + "..."
     assert clipped("x" * 60) == "x" * 60
-    assert printable("\udcff") == r"\udcff"  # a byte of a file name that is no UTF-8
+    assert printable("\udcff") == r"\udcff"  # a byte of a file name that is not UTF-8
     assert str(InputError("bad", file="a\nb", line=3)) == r"a\nb:3: bad"
 
 

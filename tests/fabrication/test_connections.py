@@ -319,7 +319,7 @@ def test_holes_off_their_axis_are_found(roof: Path) -> None:
     missing = checks(wide)["assembly holes"]
     assert not missing.passed
     assert missing.value == f"{wide.mark} in {wide.holes[0][0]}"
-    # the hole of another arm, 90 deg away, is no hole of this bolt
+    # the hole of another arm, 90 deg away, is not a hole of this bolt
     other = replace(mates[3], holes=(mates[3].holes[0], (mates[9].holes[1])))
     assert not checks(other)["assembly holes"].passed
 

@@ -102,7 +102,7 @@ def test_what_is_no_regular_file_is_not_read(tmp_path: Path) -> None:
     (tmp_path / "device.step").symlink_to("/dev/zero")
     (tmp_path / "folder.step").mkdir()
     for name in ("pipe.step", "device.step", "folder.step"):
-        with pytest.raises(InputError, match="is no file"):
+        with pytest.raises(InputError, match="is not a file"):
             inspect_file(tmp_path / name)
     with pytest.raises(InputError, match="no such file"):
         inspect_file(tmp_path / "none.step")

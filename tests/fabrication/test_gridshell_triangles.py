@@ -1,4 +1,4 @@
-"""Triangle meshes that are no quads cut in two: what is advised can be built."""
+"""Triangle meshes that are not quads cut in two: what is advised can be built."""
 
 from __future__ import annotations
 

@@ -13,8 +13,10 @@ from roofs import barrel
 
 from ddgfab.errors import OutputError
 from fabrication.formats import registry
+from fabrication.formats.base import Header, Provenance, Whole
 from fabrication.gridshell.design import design
 from fabrication.job import place, run
+from fabrication.job import whole as whole_module
 from fabrication.job.manifest import faults
 from fabrication.job.others import WORK
 from fabrication.job.steps import _batches
@@ -106,3 +108,11 @@ def test_batches_have_all_items_in_order_and_are_no_larger_than_need_be(count: i
     assert all(batches)
     sizes = {len(batch) for batch in batches[:-1]}
     assert len(sizes) <= 1
+
+
+def test_seconds_of_the_preview_are_those_it_took(tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.setattr(whole_module, "write_preview", lambda *_: None)
+    whole = Whole(Provenance("roof", Header("", "", "roof"), {}), {}, (), ())
+    warnings, checks, seconds = whole_module.draw(tmp_path, whole)
+    assert (warnings, checks) == ([], [])
+    assert 0.0 <= seconds["preview"] < 5.0  # not the time of the clock

@@ -103,7 +103,9 @@ def test_damage_is_a_message(tmp_path: Path) -> None:
     whole = path.read_bytes()
     for data in (b"no Rhino file", whole[: len(whole) // 2]):
         path.write_bytes(data)
-        with pytest.raises(MeshError, match=r"a\.3dm: (is no Rhino file|holds no mesh|is damaged)"):
+        with pytest.raises(
+            MeshError, match=r"a\.3dm: (is not a Rhino file|holds no mesh|is damaged)"
+        ):
             read_mesh(path)
 
 

@@ -126,7 +126,7 @@ REFUSED: dict[str, tuple[Callable[[], Shape], str]] = {
         "side 0 of the panel is not plane",
     ),
     "panel with a repeated corner": (lambda: panel(QUAD[[0, 1, 1, 2, 3]]), "side 1 of the panel"),
-    "panel without thickness": (lambda: panel(QUAD, t=0.0), "thickness 0 mm is no solid"),
+    "panel without thickness": (lambda: panel(QUAD, t=0.0), "thickness 0 mm is not a solid"),
     "panels of different corners": (lambda: PanelShape(10.0, QUAD, QUAD[:3]), "4 and 3 corners"),
 }
 

@@ -1,4 +1,4 @@
-"""Project files that are no TOML: line, column, and how the line is written."""
+"""Project files that are not TOML: line, column, and how the line is written."""
 
 from __future__ import annotations
 

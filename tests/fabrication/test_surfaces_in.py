@@ -210,7 +210,7 @@ def test_curves_of_three_kinds_of_files_agree(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("a.csv", "1,2,3\n4,x,6\n", r"a\.csv:2: 4 x 6 is no point"),
+        ("a.csv", "1,2,3\n4,x,6\n", r"a\.csv:2: 4 x 6 is not a point"),
         ("a.csv", "x,y,z\n", "holds no curve: a row a point"),
         ("a.obj", "v 0 0 0\nl 1 2\n", r"a\.obj:2: a line of vertices beyond 1"),
         ("a.obj", "v 0 0 0\n", "lines 'l' are read"),

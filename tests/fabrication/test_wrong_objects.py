@@ -1,4 +1,4 @@
-"""What is no design, kit or net is refused by its type, with what makes the right one."""
+"""What is not a design, kit or net is refused by its type, with what makes the right one."""
 
 from __future__ import annotations
 

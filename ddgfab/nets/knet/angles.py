@@ -271,8 +271,8 @@ def knet_from_potential(
     worst = tuple(int(i) for i in np.unravel_index(int(residual.argmax()), residual.shape))
     if not residual[worst] <= tolerance:
         raise InputError(
-            f"the potential is no solution of Hirota's equation: residual {residual[worst]:.2g} in "
-            f"quad {worst} (limit {tolerance:g}); evolve_hirota makes one from two axes"
+            f"the potential is not a solution of Hirota's equation: residual {residual[worst]:.2g} "
+            f"in quad {worst} (limit {tolerance:g}); evolve_hirota makes one from two axes"
         )
     phi = 0.5 * (values[1:, :-1] + values[:-1, 1:])
     chi = 0.5 * (values[:-1, :-1] + values[1:, 1:])

@@ -90,7 +90,7 @@ def recover_knet(source: Mesh | Net | ArrayLike, *, limit: float = KNET_DEFECT) 
         No K-net: names the worst vertices, their defect and what it is of. Fewer than two edges in
         a direction (a single row of quads has no planar stars to test).
     MeshError
-        A mesh that is no grid of quads.
+        A mesh that is not a grid of quads.
     DegenerateError
         An edge of no length, a vertex whose edges are all parallel; names it.
 

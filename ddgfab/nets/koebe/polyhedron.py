@@ -117,7 +117,7 @@ class KoebePolyhedron:
         Raises
         ------
         InputError
-            The matrix is no rotation.
+            The matrix is not a rotation.
         """
         matrix = np.asarray(rotation, dtype=np.float64)
         if matrix.shape != (3, 3):

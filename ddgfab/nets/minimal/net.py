@@ -172,7 +172,7 @@ def minimal_surface(
     limit = NET_INPUT if tolerance is None else tolerance
     if not miss[worst] <= limit:
         raise DegenerateError(
-            f"the Gauss image is no Koebe net: edge {worst} misses the unit sphere by "
+            f"the Gauss image is not a Koebe net: edge {worst} misses the unit sphere by "
             f"{miss[worst]:.1e} (limit {limit:g})"
         )
     signs = checked_labels(gauss.mesh, labels)

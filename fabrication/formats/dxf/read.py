@@ -33,7 +33,7 @@ def read_dxf(path: Path) -> list[Polyline]:
     Raises
     ------
     InputError
-        Missing, binary, truncated, or with values that are no numbers; names the line.
+        Missing, binary, truncated, or with values that are not numbers; names the line.
     """
     data = read_regular(path, LIMIT_BYTES, InputError, what="a DXF file", advice="split it")
     if data.startswith(b"AutoCAD Binary DXF"):

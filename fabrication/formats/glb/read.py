@@ -104,7 +104,7 @@ def _mesh(document: dict[str, Any], binary: bytes, mesh: dict[str, Any]) -> Tria
 def _item(document: dict[str, Any], table: str, index: Any) -> Any:
     """An entry of a table by its number, which is none from the end."""
     if not isinstance(index, int) or index < 0:
-        raise ValueError(f"{clipped(index)} is no number of {table}")
+        raise ValueError(f"{clipped(index)} is not a number of {table}")
     return document[table][index]
 
 

@@ -110,7 +110,7 @@ def _regular(path: Path) -> int:
         why = getattr(error, "strerror", None) or str(error)
         raise InputError(f"cannot be read: {why}", file=str(path)) from None
     if not stat.S_ISREG(found.st_mode):
-        raise InputError("is no file, but a folder, pipe or device", file=str(path))
+        raise InputError("is not a file, but a folder, pipe or device", file=str(path))
     return found.st_size
 
 

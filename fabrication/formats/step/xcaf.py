@@ -50,7 +50,7 @@ def read_document(path: Path) -> tuple[Any, tuple[str, ...]]:
     Raises
     ------
     InputError
-        The file is missing or is no STEP file that OCCT can read.
+        The file is missing or is not a STEP file that OCCT can read.
     """
     from OCP.IFSelect import IFSelect_ReturnStatus
     from OCP.STEPCAFControl import STEPCAFControl_Reader

@@ -29,7 +29,7 @@ ALIGNED: Final = 0.01
 """How far apart [mm] the lines of two sides in a row may be where the corner is straight."""
 
 FLATTEST_SIDE: Final = 0.1
-"""Least sine of the angle between pi(e) and a pane; below it the side is no side."""
+"""Least sine of the angle between pi(e) and a pane; below it the side is not a side."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -295,7 +295,7 @@ def check_studs(shape: BeamShape, loops: list[list[Segment]]) -> None:
         if cut.radius is not None or cut.skew != 0.0:
             raise DetailError(f"the {name} has a stud, but its cut is coped or skew")
         if len(loops) > 2 or 2.0 * stud.corner >= min(stud.length, stud.height):
-            raise DetailError(f"the {name} has an opening that is no rounded rectangle")
+            raise DetailError(f"the {name} has an opening that is not a rounded rectangle")
         away = distance_to(loops[0], 0.0, stud.z)
         if away <= stud.diameter / 2.0:
             raise DetailError(

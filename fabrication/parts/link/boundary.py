@@ -66,7 +66,7 @@ def check_link(shape: LinkShape) -> None:
     ):
         raise DetailError(
             f"a bar of {shape.bar_width:.6g} x {shape.bar_height:.6g} mm with bevels of "
-            f"{shape.bevel:.6g} mm between eyes {shape.eye_height:.6g} mm high is no solid"
+            f"{shape.bevel:.6g} mm between eyes {shape.eye_height:.6g} mm high is not a solid"
         )
     least = shape.eye_diameter + LEAST_BAR
     if shape.length < least:

@@ -24,7 +24,7 @@ SAME_AZIMUTH: Final = 1e-9
 
 TOUCHING: Final = 1e-4
 """Seats with less of the circle [mm] between them, or overlapping by less, meet in an edge: an
-arc so short is no face."""
+arc so short is not a face."""
 
 MAX_ARC: Final = math.pi
 """Greatest angle [rad] of one cylinder face: larger ones are split, so no edge is a circle."""
@@ -105,7 +105,7 @@ def node_section(shape: NodeShape) -> tuple[Loop, ...]:
     if not 0.0 <= shape.bore < shape.radius or shape.z1 <= shape.z0:
         raise DetailError(
             f"a node of radius {shape.radius:.6g} mm from z = {shape.z0:.6g} to {shape.z1:.6g} mm "
-            f"with a bore of radius {shape.bore:.6g} mm is no solid"
+            f"with a bore of radius {shape.bore:.6g} mm is not a solid"
         )
     for k, seat in enumerate(shape.seats):
         if not shape.bore < seat.distance < shape.radius:
