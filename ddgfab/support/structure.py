@@ -62,11 +62,11 @@ class SupportStructure:
         bad = np.flatnonzero(~np.isfinite(length) | ((length == 0) & (mesh.valences > 0)))
         if len(bad):
             raise SupportError(f"the node axis of vertex {bad[0]} is {given[bad[0]].tolist()}")
-        normalised = unit(given)
-        normalised.setflags(write=False)
+        normalized = unit(given)
+        normalized.setflags(write=False)
         if not history_deg:
-            history_deg = (float(np.degrees(torsion(mesh, normalised).max())),)
-        return SupportStructure(mesh, normalised, kind, status, history_deg)
+            history_deg = (float(np.degrees(torsion(mesh, normalized).max())),)
+        return SupportStructure(mesh, normalized, kind, status, history_deg)
 
     @cached_property
     def torsion(self) -> Floats:

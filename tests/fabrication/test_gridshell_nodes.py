@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -255,6 +256,22 @@ def test_blind_holes_heed_both_neighbours() -> None:
     gaps = [min((a - o) % 360, (o - a) % 360) for a in STAR for o in STAR if o != a]
     room = seat - 10.2 / 2 / math.tan(math.radians(min(gaps)) / 2) - 3.0
     assert set(found.values()) == {min(18.0 + 3.5, math.floor(2 * room) / 2)}
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_both_beams_of_a_narrow_gap_are_named(mirrored: bool) -> None:
+    """Gaps of 40 and 45 deg are too narrow for this thread, so two holes each are too shallow."""
+    case = star(STAR, mirrored=mirrored)
+    with pytest.raises(DetailError) as caught:
+        case.detail(
+            beam={"profile": "FL 80x40"},
+            connection={"kind": "stud", "thread_mm": 40},
+            node={"diameter_mm": 124},
+            panel=NO_GLASS,
+        )
+    rows = re.findall(r"beam B-(\d+) can be ([\d.]+) mm deep", str(caught.value))
+    rims = {int(case.mesh.edges[int(edge)].max()) - 1: depth for edge, depth in rows}
+    assert rims == {0: "41.7", 1: "41.7", 4: "43.4", 5: "43.4"}
 
 
 def test_a_reflected_node_has_the_same_holes() -> None:
