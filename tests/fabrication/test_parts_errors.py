@@ -61,8 +61,8 @@ REFUSED: dict[str, tuple[Callable[[], Shape], str]] = {
         lambda: NodeShape(50.0, 0.0, 0.0, 80.0, (Seat(0.0, 40.0, 60.0), Seat(1.2, 40.0, 60.0))),
         "seats 0 and 1 cut each other",
     ),
-    "bore too wide": (lambda: NodeShape(50.0, 50.0, 0.0, 80.0), "no solid"),
-    "no height": (lambda: NodeShape(50.0, 10.0, 80.0, 80.0), "no solid"),
+    "bore too wide": (lambda: NodeShape(50.0, 50.0, 0.0, 80.0), "not a solid"),
+    "no height": (lambda: NodeShape(50.0, 10.0, 80.0, 80.0), "not a solid"),
     "hole over the top": (
         lambda: replace(FLAT_NODE, holes=(RadialHole(0.0, 48.0, 13.0, 10.0),)),
         "radial hole 0 of 13 mm at z = 48 mm leaves the node",
