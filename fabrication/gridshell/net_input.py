@@ -13,10 +13,10 @@ from ddgfab.errors import InputError
 from ddgfab.forms.generators import GENERATORS
 from ddgfab.forms.registry import find_generator, generate
 from ddgfab.io import SHORTEST_MEDIAN_MM, Groups, ReadResult, likely_setting, unlikely_size
-from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.mesh import Floats, Mesh
 from ddgfab.support import SupportKind
 from ddgfab.surfaces.spline import SplineSurface
-from ddgfab.trace.mesh import TAGS
+from ddgfab.trace.groups import tag_groups
 from fabrication.gridshell.net_settings import MESH, SURFACE
 from fabrication.gridshell.project import Project
 from fabrication.gridshell.traced import traced_net
@@ -131,24 +131,6 @@ def _traced(project: Project) -> NetInput:
     groups = tag_groups(found.mesh, found.tag)
     return NetInput(
         found.mesh, file, digest, notes, None, found.surfaces, found.reference, groups=groups
-    )
-
-
-def tag_groups(mesh: Mesh, tag: Ints) -> Groups:
-    """Groups of a traced net by the tags (V,) of its vertices: "inner", "rim" and "corner".
-
-    The rim has the edges at the boundary and their vertices, corners too; "inner" has the other
-    vertices, and the edges between them.
-    """
-    rim = (mesh.edge_faces < 0).any(axis=1)
-    used = mesh.valences > 0
-    inner = (tag == 0) & used
-    return Groups.of(
-        {
-            "rim": (np.flatnonzero((tag > 0) & used), mesh.edges[rim]),
-            "corner": (np.flatnonzero(tag == TAGS.index("corner")), []),
-            "inner": (np.flatnonzero(inner), mesh.edges[inner[mesh.edges].all(axis=1)]),
-        }
     )
 
 
