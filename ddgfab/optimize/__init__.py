@@ -5,11 +5,13 @@ from __future__ import annotations
 from ddgfab.measures import interior_angles
 from ddgfab.optimize.change import Change
 from ddgfab.optimize.energy import Keep
+from ddgfab.optimize.diagonals import diagonal_net
+from ddgfab.optimize.expectation import better_diagonals, expected
 from ddgfab.optimize.families_goal import families
 from ddgfab.optimize.families_result import FamiliesResult
-from ddgfab.optimize.forecast import forecast_text
+from ddgfab.optimize.forecast import doubtful, forecast_text
 from ddgfab.optimize.goal import Additions, NetGoal
-from ddgfab.optimize.goals import Goal, expected, optimize
+from ddgfab.optimize.goals import Goal, optimize
 from ddgfab.optimize.limits import Limits
 from ddgfab.optimize.path import Path, PathOptions, follow, settle
 from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
@@ -39,6 +41,9 @@ __all__ = [
     "Term",
     "TorsionFreeResult",
     "Trial",
+    "better_diagonals",
+    "diagonal_net",
+    "doubtful",
     "expected",
     "families",
     "folded_faces",

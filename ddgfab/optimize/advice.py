@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats
-from ddgfab.optimize.directions import TRACE, TRACE_REASON, other_way
+from ddgfab.optimize.directions import DIAGONALS, DIAGONALS_REASON, TRACE, TRACE_REASON, other_way
 from ddgfab.optimize.energy import Keep, Weights
 from ddgfab.optimize.forecast import doubtful, forecast_text
 from ddgfab.optimize.frame import Frame
@@ -157,11 +157,14 @@ def advice_text(advice: tuple[tuple[str, object], ...]) -> str:
         if value == "fair"
         else "keep the surface rather than smooth faces",
         "max_pane": "give a finer mesh, or allow larger panes",
+        DIAGONALS: DIAGONALS_REASON,
         TRACE: TRACE_REASON,
         "max_lean": "let the node axes lean further",
         "max_movement": "let vertices move further",
         "distance_limit": "let the edges follow other directions, use a finer mesh, or allow it",
     }.get(name, "try")
+    if name == DIAGONALS:
+        return reason
     if name == TRACE:
         return f"{reason}, spacing = {value:g}"
     if name == "max_lean" and isinstance(value, float):

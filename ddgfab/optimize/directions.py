@@ -1,7 +1,8 @@
 """Where the edges of a mesh are the fault: results that are crumpled or flattened, and what helps.
 
 Planar faces near a surface need edges along conjugate directions. Where a net does not follow them,
-keeping the surface crumples it and keeping it smooth flattens it; then only another net helps.
+keeping the surface crumples it and keeping it smooth flattens it; then only another net helps: that
+of its diagonals, where these are conjugate, or one that is traced.
 """
 
 from __future__ import annotations
@@ -9,11 +10,22 @@ from __future__ import annotations
 from typing import Final
 
 from ddgfab.optimize.energy import KEEP, Keep, keep_number
+from ddgfab.optimize.expectation import better_diagonals
+from ddgfab.optimize.forecast import doubtful
 from ddgfab.optimize.limits import Limits
+from ddgfab.optimize.net_goals import PLANAR
 from ddgfab.optimize.result import OptimizeResult
 
 TRACE: Final = "trace"
 """Name of the advice to trace another net; its value is the distance of its lines."""
+
+DIAGONALS: Final = "diagonals"
+"""Name of the advice to take the net of diagonals; its value is True."""
+
+DIAGONALS_REASON: Final = (
+    "the edges do not follow conjugate directions of the surface, but their diagonals do; take the "
+    "net of diagonals (ddgfab optimize --diagonals), whose faces are half as large"
+)
 
 TRACE_REASON: Final = (
     "the edges do not follow conjugate directions of the surface; trace a net that does "
@@ -30,23 +42,31 @@ def other_way(
 
     Returns
     -------
-    "keep" with another value, "trace" with the distance of lines, or nothing where the result is
-    none of these
+    "keep" with another value, "diagonals", "trace" with the distance of lines, or nothing where
+    the result is none of these
     """
     kinds = limits.kinds(result.change)
     crumpled, far = "zigzag" in kinds, bool(kinds & {"distance", "rise"})
     knob = keep_number(keep)
-    if "stretch" in kinds:
-        return _trace(result)
+    if not kinds & _WRONG_WAY:
+        return ()
+    if "stretch" in kinds or (result.forecast is not None and doubtful(result.forecast)):
+        return _other_net(result)
     if not crumpled and not (far and ("rise" in kinds or knob > KEEP["balanced"])):
         return ()
     if crumpled and not far and KEEP["close"] < knob < KEEP["fair"]:
         return (("keep", "fair"),)
     if far and not crumpled and KEEP["close"] < knob <= KEEP["balanced"]:
         return (("keep", "close"),)
-    return _trace(result)
+    return _other_net(result)
 
 
-def _trace(result: OptimizeResult) -> tuple[tuple[str, object], ...]:
-    """Another net, of the same spacing."""
+_WRONG_WAY: Final = frozenset({"zigzag", "distance", "rise", "stretch", "reflex", "folded"})
+"""Limits that results exceed where edges run the wrong way."""
+
+
+def _other_net(result: OptimizeResult) -> tuple[tuple[str, object], ...]:
+    """The net of diagonals where it can be planar, or a traced one of the same spacing."""
+    if result.goal == PLANAR.name and better_diagonals(result.original) is not None:
+        return ((DIAGONALS, True),)
     return ((TRACE, float(f"{result.change.edge:.3g}")),)

@@ -30,7 +30,7 @@ KEEP: Final[dict[Keep, float]] = {"close": 0.2, "balanced": 0.33, "fair": 0.5}
 """Wavelength from which movements along the normal cost distance rather than bending, as part of
 the width of the mesh (the square root of its area)."""
 
-_NEAR, _SLIDE, _STRAIN, _RIM, _CORNER = 1.0, 0.002, 0.02, 3.0, 2.0
+_NEAR, _SLIDE, _STRAIN, _RIM, _CORNER = 1.0, 0.002, 0.02, 3.0, 20.0
 """Sliding and shear are cheap: where edges do not follow conjugate directions they have to turn in
 the surface, and what is not allowed to slide leaves the surface or creases instead."""
 _STRETCH: Final = 1.0

@@ -64,8 +64,15 @@ def forecast_of(problem: Problem, unit: float, normals: Floats) -> Forecast:
 
 
 @checked
-def forecast_text(forecast: Forecast, unit: str = "mm") -> str:
-    """The forecast as one sentence."""
+def forecast_text(
+    forecast: Forecast, unit: str = "mm", diagonals: Forecast | None = None
+) -> str:
+    """The forecast as one sentence.
+
+    Parameters
+    ----------
+    diagonals : the forecast of the net of diagonals, where that is better
+    """
     distance = f"about {forecast.distance_mean:.3g} {unit} from the surface on average"
     edges = f"{forecast.distance_mean / forecast.unit:.2g} mean edges"
     if forecast.distance_mean < HARMLESS * forecast.unit:
@@ -75,7 +82,13 @@ def forecast_text(forecast: Forecast, unit: str = "mm") -> str:
             "planar faces: edges follow conjugate directions only roughly; expect "
             f"{distance} ({edges})"
         )
+    other = "a traced net follows them (ddgfab optimize --retrace)"
+    if diagonals is not None:
+        other = (
+            f"their diagonals do, with about {diagonals.distance_mean:.3g} {unit} (ddgfab optimize "
+            "--diagonals)"
+        )
     return (
         f"planar faces: edges do not follow conjugate directions; expect {distance} ({edges}), "
-        "with creases or flattened parts; a traced net follows them (ddgfab optimize --retrace)"
+        f"with creases or flattened parts; {other}"
     )

@@ -14,56 +14,14 @@ from ddgfab.measures import dihedral_angles
 from ddgfab.mesh import Ints, Mesh
 from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.families_goal import families
-from ddgfab.optimize.forecast import forecast_of
-from ddgfab.optimize.frame import Frame
-from ddgfab.optimize.goal import NetGoal, net_problem, violation
+from ddgfab.optimize.goal import NetGoal
 from ddgfab.optimize.limits import Limits, named
+from ddgfab.optimize.net_goals import CIRCULAR, CONICAL, PLANAR
 from ddgfab.optimize.nets import Outcome, StageProgress, reach
 from ddgfab.optimize.panes import with_panes
-from ddgfab.optimize.quality import reflex_faces
-from ddgfab.optimize.result import Forecast, OptimizeResult, Trial
+from ddgfab.optimize.result import OptimizeResult, Trial
 from ddgfab.optimize.rim import Boundary
-from ddgfab.optimize.terms import (
-    circularity_terms,
-    cone_terms,
-    conicality_terms,
-    planarity_terms,
-)
 from ddgfab.optimize.torsion_goal import torsion_free
-
-FLAT_PERCENT: Final = 0.2
-"""How flat faces are made by default: what a pane of glass takes up."""
-
-
-def _bent_quads(mesh: Mesh) -> Ints:
-    """Quads with a reflex corner at an inner vertex."""
-    bad = reflex_faces(mesh, np.flatnonzero(~mesh.boundary_vertex))
-    found: Ints = bad[mesh.face_sizes[bad] == _QUAD]
-    return found
-
-
-_QUAD: Final = 4
-
-PLANAR: Final = NetGoal(
-    "planar",
-    lambda m, _: planarity_terms(m),
-    FLAT_PERCENT,
-    "Liu, Pottmann, Wallner, Yang, Wang 2006, section 3; mathematics.md 8.5",
-)
-CIRCULAR: Final = NetGoal(
-    "circular",
-    lambda m, _: (*planarity_terms(m), *circularity_terms(m)),
-    0.0,
-    "Bobenko, Suris, Discrete Differential Geometry, 3.1; mathematics.md 2",
-    crooked=reflex_faces,
-)
-CONICAL: Final = NetGoal(
-    "conical",
-    lambda m, _: (*planarity_terms(m), *conicality_terms(m), *cone_terms(m)),
-    0.0,
-    "Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; mathematics.md 2.9",
-    crooked=_bent_quads,
-)
 
 GOALS: Final[dict[str, Callable[..., Sequence[NetGoal]]]] = {
     "planar": lambda: [PLANAR],
@@ -271,20 +229,3 @@ def _features(mesh: Mesh, angle: float | None) -> Ints | None:
         return None
     sharp = np.abs(dihedral_angles(mesh)) > angle
     return np.flatnonzero(sharp & ~mesh.boundary_edge)
-
-
-@checked
-def expected(mesh: Mesh) -> Forecast | None:
-    """What planar faces of a mesh will cost, from one linear solve; None where they are planar.
-
-    Raises
-    ------
-    DegenerateError
-        The system is singular, as on meshes with faces without area.
-    """
-    frame = Frame.of(mesh)
-    small = frame.inside(mesh)
-    problem = net_problem(small, PLANAR)
-    if violation(problem, problem.start) <= PLANAR.tolerance:
-        return None
-    return forecast_of(problem, frame.unit, small.vertex_normals)

@@ -1,4 +1,4 @@
-"""What to do with a mesh that is not planar: optimise it, change its surface, or trace it anew."""
+"""What to do with a mesh that is not planar: optimise it, change its surface, or take another net."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
-from ddgfab.optimize import Forecast, expected
+from ddgfab.optimize import Forecast, better_diagonals, expected
 from ddgfab.optimize.problem import mean_edge
 from ddgfab.redesign.dilemma import Movement, forecast_dict, mesh_forecast
 from ddgfab.tolerances import NET_PLANAR_PERCENT
 from ddgfab.trace.alignment import Alignment, alignment
 
-Way: TypeAlias = Literal["none", "optimize", "dilemma", "retrace"]
-"""What is recommended: nothing, or one of three commands."""
+Way: TypeAlias = Literal["none", "optimize", "diagonals", "dilemma", "retrace"]
+"""What is recommended: nothing, or one of four commands."""
 
 _NEAR: Final = 0.1
 """Planar faces this near to the surface [mean edges, on average] are worth optimising for."""
@@ -61,6 +61,7 @@ class Advice:
         command = {
             "none": "",
             "optimize": f"ddgfab optimize {file}",
+            "diagonals": f"ddgfab optimize {file} --diagonals",
             "dilemma": f"ddgfab dilemma {file}",
             "retrace": f"ddgfab optimize {file} --retrace",
         }[self.way]
@@ -99,6 +100,8 @@ def advise(mesh: Mesh) -> Advice | None:
     if near and (planar is None or planar.stretch < _STRETCH):
         way: Way = "optimize"
         reason = "edges follow conjugate directions well enough"
+    elif planar is not None and better_diagonals(mesh) is not None:
+        way, reason = "diagonals", "the edges run the wrong way, their diagonals do not"
     elif aligned is None:
         way, reason = "optimize", "the result will be far from the surface, or creased"
     elif principal is not None and principal.greatest <= _SMALL * edge:

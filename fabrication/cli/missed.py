@@ -99,7 +99,8 @@ class Command:
     def traced(self, spacing: object) -> str:
         """The command that traces another net: of the same spacing, then one to be looked at."""
         if not self.anew and "fix" not in self.settings:
-            settings = {key: value for key, value in self.settings.items() if key != "keep"}
+            dropped = ("keep", "diagonals")
+            settings = {key: value for key, value in self.settings.items() if key not in dropped}
             again = Command(self.source, None, Reading(), settings, anew=True)
             again.begin = self.begin
             return again.text({})
@@ -115,7 +116,9 @@ class Command:
         for key, value in {**self.settings, **changed}.items():
             if key == "goal" and value == PLANAR:
                 continue
-            if key in _OPTIONS:
+            if key == "diagonals" and value is True:
+                arguments.append("--diagonals")
+            elif key in _OPTIONS:
                 arguments += [_OPTIONS[key], argument_text(value)]
             elif key == "fix" and not isinstance(value, str):
                 arguments += ["--fix", ",".join(map(str, value))]

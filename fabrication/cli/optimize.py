@@ -68,6 +68,10 @@ Retrace = Annotated[
         help="Fit a surface, trace a net on it at the mesh's spacing, optimize that.",
     ),
 ]
+Diagonals = Annotated[
+    bool,
+    typer.Option("--diagonals", help="Take the net of the faces' diagonals; edges become quads."),
+]
 Picture = Annotated[bool, typer.Option(help="Write OUTPUT.png: distance and creases.")]
 
 
@@ -85,6 +89,7 @@ def optimize_command(
     max_pane: MaxPane = None,
     max_movement: MaxMovement = None,
     anew: Retrace = False,
+    diagonals: Diagonals = False,
     change: Change = None,
     units: Units = None,
     scale: Scale = 1.0,
@@ -127,11 +132,12 @@ def optimize_command(
             max_pane_mm=None if max_pane is None else _pane(max_pane),
             feature_angle_deg=None if features is None else float(features),
             max_movement_mm=None if max_movement is None else float(max_movement),
+            diagonals=True if diagonals else None,
         )
         given = {"goal": PLANAR, **sections.get("optimize", {})}
         if anew:  # the net follows the surface already
             given = {"keep": "close", **given}
-            _refuse_named(surface, fix)
+            _refuse_named(surface, fix, bool(given.get("diagonals")))
         settings = make_project({"optimize": given}).optimize
         target = output or Path(f"{stem(source)}-{settings.goal}.obj")
         check_target(target)
@@ -181,10 +187,12 @@ def _optimized(
 ) -> OptimizeResult:
     """The result; where the goal is missed, the best mesh is written and the command ends."""
     from ddgfab.errors import OptimizeError
+    from ddgfab.optimize import diagonal_net
     from fabrication.gridshell.foresight import foreseen_text
     from fabrication.gridshell.optimized import optimized_mesh
 
-    if settings.goal == PLANAR and (foreseen := foreseen_text(start.mesh)):
+    net = diagonal_net(start.mesh) if settings.diagonals else start.mesh
+    if settings.goal == PLANAR and (foreseen := foreseen_text(net)):
         run.say(foreseen)
     rim = None if start.traced is None else start.surface
     try:
@@ -236,10 +244,12 @@ def _write(
         run.result(f"written to {target} [mm]")
 
 
-def _refuse_named(surface: Path | None, fix: str | None) -> None:
-    if surface is not None or fix is not None:
-        from ddgfab.errors import InputError
+def _refuse_named(surface: Path | None, fix: str | None, diagonals: bool) -> None:
+    from ddgfab.errors import InputError
 
+    if diagonals:
+        raise InputError("--retrace and --diagonals make different nets: give one of them")
+    if surface is not None or fix is not None:
         raise InputError("--retrace makes another net: --fix and --surface name parts of the old")
 
 

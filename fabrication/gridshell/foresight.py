@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Mesh
-from ddgfab.optimize import Forecast, expected, forecast_text
+from ddgfab.optimize import Forecast, better_diagonals, doubtful, expected, forecast_text
 
 MOST_FACES: Final = 20_000
 """Larger meshes have no forecast: it costs as much as a step of the optimization (seconds)."""
@@ -29,7 +29,18 @@ def foreseen(mesh: Mesh) -> Forecast | None:
 def foreseen_text(mesh: Mesh) -> str:
     """The forecast as a sentence; empty where there is none."""
     forecast = foreseen(mesh)
-    return "" if forecast is None else forecast_text(forecast, "mm")
+    return "" if forecast is None else _text(mesh, forecast)
+
+
+def _text(mesh: Mesh, forecast: Forecast) -> str:
+    """The sentence, with the net of diagonals where that is better."""
+    return forecast_text(forecast, "mm", better_diagonals(mesh) if doubtful(forecast) else None)
+
+
+def diagonals_are_better(mesh: Mesh) -> bool:
+    """Whether a mesh cannot be planar near its surface, and the net of its diagonals can."""
+    forecast = foreseen(mesh)
+    return forecast is not None and doubtful(forecast) and better_diagonals(mesh) is not None
 
 
 def foreseen_record(mesh: Mesh) -> dict[str, Any] | None:
@@ -37,4 +48,4 @@ def foreseen_record(mesh: Mesh) -> dict[str, Any] | None:
     forecast = foreseen(mesh)
     if forecast is None:
         return None
-    return {**asdict(forecast), "text": forecast_text(forecast, "mm")}
+    return {**asdict(forecast), "text": _text(mesh, forecast)}

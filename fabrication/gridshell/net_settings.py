@@ -177,6 +177,7 @@ OPTIMIZE_OPTIONS: Final[dict[str, tuple[str, ...]]] = {
     "zigzag_limit_deg": _SHAPES,
     "stretch_limit_percent": _SHAPES,
     "max_pane_mm": _SHAPES,
+    "diagonals": _SHAPES,
     "axes_only": ("torsion-free",),
     "max_lean_deg": ("torsion-free",),
     "families_of": ("families",),
@@ -203,6 +204,8 @@ class OptimizeSettings(Section):
         (root mean square) is crumpled, and an error
     stretch_limit_percent : more than one edge in twenty that becomes longer, or shorter, by a
         greater part is an error
+    diagonals : take the net of the diagonals of the faces instead, which may be planar near surfaces
+        where the mesh cannot; edges become quads, edges of the boundary triangles
     max_pane_mm : lengths of the largest pane, [1500, 2500]: quads are divided until they fit
     fix : "none", "boundary", or ids of vertices that stay
     boundary : what boundary vertices may do: "free", "glide" along the boundary, "fixed"
@@ -220,6 +223,7 @@ class OptimizeSettings(Section):
     distance_limit_edges: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.25, 1.0)
     rise_limit_percent: Annotated[float, Field(ge=0, lt=100)] = 80.0
     max_pane_mm: Annotated[tuple[Positive, Positive], Field(strict=False)] | None = None
+    diagonals: bool = False
     zigzag_limit_deg: Annotated[float, Field(gt=0, le=180)] = 6.0
     stretch_limit_percent: Annotated[float, Field(gt=0, le=1000)] = 60.0
     fix: Literal["none", "boundary"] | VertexIds = "none"

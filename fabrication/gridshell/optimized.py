@@ -6,7 +6,7 @@ import math
 from typing import Any, cast
 
 from ddgfab.mesh import Mesh
-from ddgfab.optimize import Goal, OptimizeResult, optimize
+from ddgfab.optimize import Goal, OptimizeResult, diagonal_net, optimize
 from fabrication.gridshell.net_settings import OptimizeSettings
 from fabrication.progress import Progress, silent
 
@@ -36,6 +36,10 @@ def optimized_mesh(
     """
     report = progress or silent
     angle = settings.feature_angle_deg
+    if settings.diagonals:
+        surface = mesh if surface is None else surface
+        rim = mesh if rim is None else rim
+        mesh = diagonal_net(mesh)
     return optimize(
         mesh,
         cast(Goal, settings.goal),

@@ -10,6 +10,7 @@ import numpy as np
 
 from ddgfab.io.pairs import paired_in_order
 from fabrication.gridshell.design import Design
+from fabrication.gridshell.foresight import diagonals_are_better
 from fabrication.gridshell.net_settings import MESH, OPTIMIZE_OPTIONS
 from fabrication.gridshell.pieces import Panel
 from fabrication.gridshell.room import settings_with_room
@@ -47,6 +48,8 @@ def remedies(design: Design, problems: Sequence[FailedCheck]) -> list[tuple[str,
         found.append(("optimize", "goal", "torsion-free"))
     elif "planarity_percent" in worst and not axes and goal == "none":
         found.append(("optimize", "goal", "planar"))
+        if diagonals_are_better(design.mesh):
+            found.append(("optimize", "diagonals", True))
     elif "torsion_deg" in worst and not straight and "planarity_percent" not in worst:
         if not (found := _of_normals(design, worst)):
             return []
