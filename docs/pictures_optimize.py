@@ -96,7 +96,7 @@ def saddle() -> Mesh:
 
 
 DESIGNS: dict[str, tuple[Callable[[], Mesh], dict[str, Any]]] = {
-    "wavy_roof": (wavy_roof, {}),
+    "wavy_roof": (wavy_roof, {"diagonals": True}),
     "honeycomb_dome": (honeycomb_dome, {}),
     "shell_with_hole": (shell_with_hole, {}),
     "long_canopy": (long_canopy, {}),

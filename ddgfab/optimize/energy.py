@@ -30,9 +30,12 @@ KEEP: Final[dict[Keep, float]] = {"close": 0.2, "balanced": 0.33, "fair": 0.5}
 """Wavelength from which movements along the normal cost distance rather than bending, as part of
 the width of the mesh (the square root of its area)."""
 
-_NEAR, _SLIDE, _STRAIN, _RIM, _CORNER = 1.0, 0.002, 0.02, 3.0, 20.0
+_NEAR, _SLIDE, _STRAIN, _RIM, _CORNER = 1.0, 0.002, 0.02, 3.0, 5.0
 """Sliding and shear are cheap: where edges do not follow conjugate directions they have to turn in
 the surface, and what is not allowed to slide leaves the surface or creases instead."""
+FREE_CORNER: Final = 2.0
+"""Weight of corners of the boundary for goals whose directions the surface alone decides: a net of
+curvature lines cannot run from corner to corner."""
 _STRETCH: Final = 1.0
 """Edges whose lengths change by more than `EASY_STRETCH`; below it a change is nearly free. With a
 third of it some panes still become twice as long; three times as much crumples more."""

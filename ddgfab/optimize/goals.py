@@ -12,6 +12,7 @@ from ddgfab.arguments import checked
 from ddgfab.errors import InputError, OptimizeError
 from ddgfab.measures import dihedral_angles
 from ddgfab.mesh import Ints, Mesh
+from ddgfab.optimize.diagonals import diagonal_net
 from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.families_goal import families
 from ddgfab.optimize.goal import NetGoal
@@ -58,6 +59,7 @@ def optimize(
     zigzag_limit: float = Limits.zigzag,
     stretch_limit: float = Limits.stretch,
     max_pane: tuple[float, float] | None = None,
+    diagonals: bool = False,
     throw: bool = True,
     progress: StageProgress | None = None,
     **options: Any,
@@ -96,6 +98,8 @@ def optimize(
     max_pane : (shorter, longer), optional
         Lengths of the largest pane, in the unit of the mesh: quads are divided until they fit, and
         stay so; vertices keep their numbers, new ones follow.
+    diagonals : optimize the net of the diagonals of the mesh (`diagonal_net`) instead, near the
+        mesh and its boundary; vertices keep their numbers
     throw : raise when the goal is missed; otherwise the best mesh comes back with its status
     progress : called with the name of the stage, the number of the step and the step
     options : what "torsion-free" (``max_lean`` [rad], ``axes_only``) and "families" (``of``,
@@ -115,6 +119,10 @@ def optimize(
 
     Source: planar quads: Liu, Pottmann, Wallner, Yang, Wang 2006; the others name theirs.
     """
+    if diagonals:
+        surface = mesh if surface is None else surface
+        rim = mesh if rim is None else rim
+        mesh = diagonal_net(mesh)
     allowed = Limits(
         movement=max_movement,
         rise=rise_limit,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from ddgfab.mesh import Ints, Mesh
+from ddgfab.optimize.energy import FREE_CORNER, Weights
 from ddgfab.optimize.goal import NetGoal
 from ddgfab.optimize.quality import reflex_faces
 from ddgfab.optimize.terms import (
@@ -29,6 +31,11 @@ def _bent_quads(mesh: Mesh) -> Ints:
     return found
 
 
+def _free_corners(weights: Weights) -> Weights:
+    """Corners of the boundary may move."""
+    return replace(weights, corner=FREE_CORNER)
+
+
 PLANAR: Final = NetGoal(
     "planar",
     lambda m, _: planarity_terms(m),
@@ -41,6 +48,7 @@ CIRCULAR: Final = NetGoal(
     0.0,
     "Bobenko, Suris, Discrete Differential Geometry, 3.1; mathematics.md 2",
     crooked=reflex_faces,
+    weights=_free_corners,
 )
 CONICAL: Final = NetGoal(
     "conical",
@@ -48,4 +56,5 @@ CONICAL: Final = NetGoal(
     0.0,
     "Liu, Pottmann, Wallner, Yang, Wang 2006, section 4; mathematics.md 2.9",
     crooked=_bent_quads,
+    weights=_free_corners,
 )

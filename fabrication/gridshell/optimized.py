@@ -6,7 +6,7 @@ import math
 from typing import Any, cast
 
 from ddgfab.mesh import Mesh
-from ddgfab.optimize import Goal, OptimizeResult, diagonal_net, optimize
+from ddgfab.optimize import Goal, OptimizeResult, optimize
 from fabrication.gridshell.net_settings import OptimizeSettings
 from fabrication.progress import Progress, silent
 
@@ -36,10 +36,6 @@ def optimized_mesh(
     """
     report = progress or silent
     angle = settings.feature_angle_deg
-    if settings.diagonals:
-        surface = mesh if surface is None else surface
-        rim = mesh if rim is None else rim
-        mesh = diagonal_net(mesh)
     return optimize(
         mesh,
         cast(Goal, settings.goal),
@@ -56,6 +52,7 @@ def optimized_mesh(
         stretch_limit=settings.stretch_limit_percent / 100,
         max_pane=settings.max_pane_mm,
         rim=rim,
+        diagonals=settings.diagonals,
         **_own_options(settings),
         progress=lambda stage, number, step: report(f"optimize: {stage}", number, 0),
     )
