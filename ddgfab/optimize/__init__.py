@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ddgfab.measures import interior_angles
 from ddgfab.optimize.change import Change
-from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.diagonals import diagonal_net
+from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.expectation import better_diagonals, expected
 from ddgfab.optimize.families_goal import families
 from ddgfab.optimize.families_result import FamiliesResult

@@ -64,9 +64,7 @@ def forecast_of(problem: Problem, unit: float, normals: Floats) -> Forecast:
 
 
 @checked
-def forecast_text(
-    forecast: Forecast, unit: str = "mm", diagonals: Forecast | None = None
-) -> str:
+def forecast_text(forecast: Forecast, unit: str = "mm", diagonals: Forecast | None = None) -> str:
     """The forecast as one sentence.
 
     Parameters

@@ -20,8 +20,8 @@ from ddgfab.optimize.energy import Weights
 from ddgfab.optimize.frame import Frame
 from ddgfab.optimize.goal import net_problem
 from ddgfab.optimize.goal import violation as violation_of
-from ddgfab.optimize.net_goals import PLANAR
 from ddgfab.optimize.merit import Merit
+from ddgfab.optimize.net_goals import PLANAR
 from ddgfab.optimize.path import follow
 from ddgfab.optimize.rim import rim_corners
 
