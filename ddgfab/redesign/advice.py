@@ -1,4 +1,4 @@
-"""What to do with a mesh that is not planar: optimise it, change its surface, or take another net."""
+"""What to do with a mesh that is not planar: optimise it, change its surface, or its net."""
 
 from __future__ import annotations
 

@@ -204,7 +204,7 @@ class OptimizeSettings(Section):
         (root mean square) is crumpled, and an error
     stretch_limit_percent : more than one edge in twenty that becomes longer, or shorter, by a
         greater part is an error
-    diagonals : take the net of the diagonals of the faces instead, which may be planar near surfaces
+    diagonals : take the net of the diagonals of the faces, which may be planar near surfaces
         where the mesh cannot; edges become quads, edges of the boundary triangles
     max_pane_mm : lengths of the largest pane, [1500, 2500]: quads are divided until they fit
     fix : "none", "boundary", or ids of vertices that stay
