@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats, Mesh, unit
-from ddgfab.optimize.rim import rim_corners
 from ddgfab.optimize.terms.closest import SegmentTree, TriangleTree
 
 _LIFT: Final = 0.6
@@ -70,11 +69,7 @@ def barycentric(points: Floats, triangles: Floats) -> Floats:
 
 
 class RimCurve:
-    """The boundary of a mesh as a curve with tangents that turn steadily along its segments.
-
-    At its corners (`rim_corners`) the tangent is that of the segment on each side: tangents half
-    way between them would let vertices cut the corner.
-    """
+    """The boundary of a mesh as a curve with tangents that turn steadily along its segments."""
 
     def __init__(self, mesh: Mesh) -> None:
         ends = mesh.edges[mesh.boundary_edge]
@@ -82,8 +77,7 @@ class RimCurve:
         total = np.zeros_like(mesh.vertices)
         np.add.at(total, ends.ravel(), np.repeat(along, 2, axis=0))
         self._tree = SegmentTree(mesh.vertices[ends])
-        sharp = np.isin(ends, rim_corners(mesh))
-        self._tangents = np.where(sharp[..., None], along[:, None], unit(total)[ends])
+        self._tangents = unit(total)[ends]
 
     def closest(self, points: Floats) -> tuple[Floats, Floats]:
         """(n, 3) nearest points of the curve, (n, 3) unit tangents there."""
