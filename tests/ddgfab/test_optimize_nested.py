@@ -13,8 +13,8 @@ from ddgfab.optimize import nets as reaching
 from ddgfab.optimize.coarse import coarsened
 from ddgfab.optimize.energy import Weights, energy
 from ddgfab.optimize.frame import Frame
-from ddgfab.optimize.net_goals import PLANAR
 from ddgfab.optimize.limits import Limits
+from ddgfab.optimize.net_goals import PLANAR
 from ddgfab.optimize.terms.base import LinearTerm, VectorTerm
 
 
