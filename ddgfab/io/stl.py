@@ -29,7 +29,8 @@ def parse_stl(data: bytes, file: str) -> RawMesh:
         if len(data) == _HEADER + count * _RECORD.itemsize:
             check_count(count, "triangles", file)
             table = np.frombuffer(data, _RECORD, count, _HEADER)
-            points = table["points"].astype(np.float64).reshape(-1, 3)
+            with np.errstate(invalid="ignore"):  # signaling NaN, refused below as any other
+                points = table["points"].astype(np.float64).reshape(-1, 3)
             return _of(file, points, None, binary_step(points, "<f4"))
     if data.lstrip()[:5].lower() != b"solid":
         stated = int(np.frombuffer(data, "<u4", 1, 80)[0]) if len(data) >= _HEADER else 0
