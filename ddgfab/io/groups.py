@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ddgfab.mesh import Floats, Ints
 
@@ -115,6 +114,8 @@ class Groups:
         own = np.unique(np.concatenate([self.points, self.edges.ravel()]))
         own = own[new[own] < 0]
         if len(own) and len(used):
+            from scipy.spatial import cKDTree  # heavy: only where it is needed
+
             away, at = cKDTree(points[used]).query(points[own])
             near = away <= within
             new[own[near]] = used[at[near]]

@@ -64,7 +64,7 @@ def test_failed_block_leaves_the_old_file_and_nothing_else(
 
 def test_full_disk_is_an_output_error(tmp_path: Path) -> None:
     full = OSError(28, "No space left on device")
-    with pytest.raises(OutputError, match=r"a\.txt: cannot be written: No space left"):
+    with pytest.raises(OutputError, match=r"a\.txt: cannot be written: the disk is full"):
         _half_written(tmp_path / "a.txt", full)
     assert list(tmp_path.iterdir()) == []
 

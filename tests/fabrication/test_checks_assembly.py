@@ -182,11 +182,11 @@ def test_cost_grows_about_linearly() -> None:
             number = f"PP-{i:03d}{j:03d}"
             meshes[number] = box(97 + rng.random(), 97 + rng.random(), 5)
             families.append(family(number, "panel", (number, at(100 * i, 100 * j, 0))))
-        begin = time.perf_counter()
+        begin = time.process_time()
         report = examine_assembly(families, meshes, {("panel", "panel"): 1.5})
         assert report.clashes == ()
         assert report.measured == 0
-        return time.perf_counter() - begin
+        return time.process_time() - begin
 
     seconds(4)
     small, large = seconds(12), seconds(36)  # 9 times as many

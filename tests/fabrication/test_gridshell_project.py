@@ -129,7 +129,7 @@ def test_generated_nets_take_a_scale_but_no_other_unit(tmp_path: Path) -> None:
         (NET + "[panel]\nthickness_mm = inf\n", ["finite"]),
         (NET + "[panel]\ngap_mm = true\n", ["gap_mm", "number"]),
         (NET + "[checks]\nflat_percent = 2\n", ["bend_percent must not be less"]),
-        (NET + '[output]\nformats = ["step", "dxf"]\n', ["dxf", "known: step, stl"]),
+        (NET + '[output]\nformats = ["step", "parasolid"]\n', ["parasolid", "known: step, stl"]),
         (NET + "[output]\njobs = 1.5\n", ["jobs", "integer"]),
         (NET + '[output.options]\nstpe.schema = "AP242"\n', ["stpe", "did you mean step?"]),
         (NET + '[output.options]\nstep.scheme = "AP242"\n', ["scheme", "did you mean schema?"]),
