@@ -14,14 +14,13 @@ from ddgfab.errors import OutputError, clipped
 from ddgfab.io.atomic import atomic_write
 from fabrication.formats.archive import UNREADABLE
 from fabrication.formats.base import Format, Title, Whole
+from fabrication.formats.cover import add_columns, add_cover
 from fabrication.formats.dates import epoch_time
 from fabrication.formats.tables import SCHEDULES, Legend, Row, columns_of
 from fabrication.formats.workbook import (
     FONT,
     PAPERS,
     Book,
-    add_columns,
-    add_cover,
     add_table,
     has_total,
     sheets_of,
