@@ -165,7 +165,7 @@ def test_optimize_then_make_has_the_axes_that_were_found(tmp_path: Path) -> None
     result = run.invoke(app, ["inspect", str(to), "--json"])
     assert json.loads(result.output)["axes"]["lean_deg_max"] == pytest.approx(lean, abs=1e-9)
     words = ["make", str(to), "-o", str(out), "--formats", "csv", "--jobs", "1"]
-    wide = ["--set", "checks.min_angle_deg=1", "--set", "panel.max_size_mm=[3300,7600]"]
+    wide = ["--set", "checks.min_angle_deg=1", "--set", "panel.max_size_mm=[3300,8000]"]
     result = run.invoke(app, [*words, *wide])
     assert result.exit_code == 0, result.output
     support = json.loads((out / "manifest.json").read_text())["support"]

@@ -114,7 +114,7 @@ def test_the_animation_goes_there_and_back() -> None:
     from PIL import Image
 
     given = scene()
-    short = replace(given, motions=given.motions[::10], values=given.values[::10], design=1)
+    short = replace(given, motions=given.motions[::10], values_deg=given.values_deg[::10], design=1)
     data = animation_gif(short, size=(160, 120))
     assert data == animation_gif(short, size=(160, 120))
     picture = Image.open(io.BytesIO(data))
