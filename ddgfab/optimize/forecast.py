@@ -31,6 +31,7 @@ CREASES: Final = 0.1
 """Above this mean distance [mean edges] creases or flattened parts are to be expected."""
 
 
+@checked
 def doubtful(forecast: Forecast) -> bool:
     """Whether creases or flattened parts are to be expected, so that another net is better."""
     return forecast.distance_mean > CREASES * forecast.unit

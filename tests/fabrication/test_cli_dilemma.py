@@ -88,7 +88,7 @@ def test_inspect_advises_and_optimize_traces_anew(tmp_path: Path) -> None:
     write_mesh(drawn, mesh, units="mm")
     result = CliRunner().invoke(app, ["inspect", str(drawn)])
     assert result.exit_code == 0, result.output
-    assert f"ddgfab optimize {drawn} --retrace" in result.output
+    assert "ddgfab optimize --diagonals" in result.output
     result = CliRunner().invoke(
         app, ["optimize", str(drawn), "-o", str(target), "--retrace", "--no-picture"]
     )
