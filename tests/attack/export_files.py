@@ -41,6 +41,7 @@ from fabrication.solids import realise  # noqa: E402
 
 WHOLE = {
     "glb": "model.glb",
+    "ifc": "model.ifc",
     "csv": "schedules/panels.csv",
     "xlsx": "schedules/schedule.xlsx",
 }
@@ -60,7 +61,7 @@ def written() -> tuple[Path, Whole, Part]:
     folder, part = Path(mkdtemp(prefix="sound-")), parts[made.families[0].number]
     for name in WHOLE:
         find(name).write_whole(folder, whole)
-    for name in ("stl", "3mf"):
+    for name in ("stl", "3mf", "dxf"):
         find(name).write_part(folder / f"part.{name}", part, made.about())
     return folder, whole, part
 
@@ -109,6 +110,8 @@ GRAMMAR: dict[str, Callable[[bytes, random.Random], bytes]] = {
     "xlsx": _zip,
     "glb": _glb,
     "csv": _text,
+    "ifc": _text,
+    "dxf": _text,
     "manifest.json": _json,
     "run.json": _json,
 }

@@ -12,6 +12,7 @@ import json
 import random
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 NUMBERS = [
@@ -239,7 +240,8 @@ def changed_json(text: str, rng: random.Random) -> str:
         elif kind == 3:
             holder[key] = [holder[key]] * rng.choice((0, 1, 2, 20))
         elif kind == 4 and isinstance(holder[key], int | float):
-            holder[key] = holder[key] * rng.choice((-1, 0, 1 + 1e-9, 1e9))
+            with suppress(OverflowError):  # whole numbers of any length
+                holder[key] = holder[key] * rng.choice((-1, 0, 1 + 1e-9, 1e9))
         else:
             holder[key] = copy.deepcopy(rng.choice(VALUES))
     try:

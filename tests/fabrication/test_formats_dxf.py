@@ -184,6 +184,7 @@ def test_a_corner_that_moved_is_found(tmp_path: Path) -> None:
             b"0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n10\nnan\n0\nEOF\n",
             r"a\.dxf:8: must be a finite",
         ),
+        (b"0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n10\n1e99\n0\nEOF\n", "at most 1e.60, not 1e99"),
         (b"x\nSECTION\n", r"a\.dxf:1: a group code"),
         (b"0\nSECTION\n2\nENTITIES\n", "does not end with EOF"),
     ],

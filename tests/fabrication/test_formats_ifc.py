@@ -163,6 +163,12 @@ def test_a_piece_that_moved_is_found(whole: Whole, folder: Path, tmp_path: Path)
         ),
         (
             "ISO-10303-21;FILE_SCHEMA(('IFC4'));#1=IFCPLATE('',$,'a',$,$,#2,$,'',$);"
+            "#2=IFCLOCALPLACEMENT($,#3);#3=IFCAXIS2PLACEMENT3D(#4,#5,$);"
+            "#4=IFCCARTESIANPOINT((0.,0.,0.));#5=IFCDIRECTION((0.,0.,1.E200));END-ISO-10303-21;",
+            "at most 1e+60",
+        ),
+        (
+            "ISO-10303-21;FILE_SCHEMA(('IFC4'));#1=IFCPLATE('',$,'a',$,$,#2,$,'',$);"
             "#2=IFCLOCALPLACEMENT($,#3);#3=IFCAXIS2PLACEMENT3D(#4,$,$);"
             "#4=IFCCARTESIANPOINT((0.,0.,1.E999));END-ISO-10303-21;",
             "three finite numbers",

@@ -12,6 +12,7 @@ import numpy as np
 
 from ddgfab.errors import InputError, clipped
 from ddgfab.io.regular import read_regular
+from ddgfab.tolerances import COORDINATE_LIMIT
 from fabrication.specs import Loop
 
 LIMIT_BYTES: Final = 64 * 1024 * 1024
@@ -95,6 +96,7 @@ def _value(text: str, line: int, path: Path) -> float:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"must be a finite number, not {clipped(text)}", file=str(path), line=line)
+    if not abs(value) <= COORDINATE_LIMIT:
+        why = f"must be a finite number, at most {COORDINATE_LIMIT:g}, not {clipped(text)}"
+        raise InputError(why, file=str(path), line=line)
     return value

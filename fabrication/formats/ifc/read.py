@@ -14,6 +14,7 @@ import numpy as np
 from ddgfab.errors import InputError, clipped
 from ddgfab.io.regular import read_regular
 from ddgfab.mesh import Floats
+from ddgfab.tolerances import COORDINATE_LIMIT
 from fabrication.specs import Placement
 
 LIMIT_BYTES: Final = 512 * 1024 * 1024
@@ -122,8 +123,9 @@ class Model:
             values = [float(value) for value in text.strip("()").split(",")]
         except ValueError:
             values = []
-        if len(values) != 3 or not np.isfinite(values).all():
-            raise self._error(f"{entity} {reference} needs three finite numbers")
+        if len(values) != 3 or not (np.abs(values) <= COORDINATE_LIMIT).all():
+            limit = f"three finite numbers, at most {COORDINATE_LIMIT:g}"
+            raise self._error(f"{entity} {reference} needs {limit}")
         return values
 
     def _arguments(self, reference: str, entity: str, count: int) -> list[str]:
