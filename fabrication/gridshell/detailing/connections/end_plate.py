@@ -19,12 +19,12 @@ from fabrication.gridshell.detailing.connections.base import (
     Connection,
     Drilling,
     Joined,
-    usual_plate,
 )
 from fabrication.gridshell.detailing.connections.threads import (
     FastenerChoice,
     check_square,
     drilling,
+    tapped,
     threaded,
 )
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
@@ -32,7 +32,7 @@ from fabrication.parts.beam import PlateEnd
 from fabrication.parts.beam.end_plate import vent_of
 from fabrication.solids.section import segments
 from fabrication.specs import Profile
-from fabrication.standards.fasteners import Fastener, fastener, fasteners
+from fabrication.standards.fasteners import Fastener, fasteners
 from fabrication.standards.profiles import z_range
 
 if TYPE_CHECKING:
@@ -72,20 +72,9 @@ class EndPlate(Connection):
     @classmethod
     def of(cls, project: Project) -> Self:
         """The one of a project."""
-        settings, size = project.connection, fastener(project.connection.bolt)
-        plate = settings.plate_mm
-        if plate == "auto":
-            plate = usual_plate(size)
-        thread = None if settings.thread_mm == "auto" else settings.thread_mm
-        return cls(
-            size,
-            settings.fastener,
-            settings.bolts,
-            plate,
-            project.beam.clearance_mm,
-            settings.weld_mm,
-            thread,
-        )
+        size, choice, plate, thread = tapped(project)
+        bolts, weld = project.connection.bolts, project.connection.weld_mm
+        return cls(size, choice, bolts, plate, project.beam.clearance_mm, weld, thread)
 
     @property
     def leg(self) -> float:

@@ -25,6 +25,7 @@ from fabrication.gridshell.detailing.connections.threads import (
     FastenerChoice,
     check_square,
     drilling,
+    tapped,
     threaded,
 )
 from fabrication.gridshell.detailing.frames import beam_mark, listed, node_mark
@@ -33,7 +34,6 @@ from fabrication.solids.section import distance_to, segments
 from fabrication.specs import Profile
 from fabrication.standards.fasteners import (
     Fastener,
-    fastener,
     fasteners,
     wrench_swing,
 )
@@ -73,12 +73,8 @@ class Stud(Connection):
     @classmethod
     def of(cls, project: Project) -> Self:
         """The one of a project."""
-        settings, size = project.connection, fastener(project.connection.bolt)
-        plate = settings.plate_mm
-        if plate == "auto":
-            plate = usual_plate(size)
-        thread = None if settings.thread_mm == "auto" else settings.thread_mm
-        return cls(size, settings.fastener, plate, project.beam.clearance_mm, thread)
+        size, choice, plate, thread = tapped(project)
+        return cls(size, choice, plate, project.beam.clearance_mm, thread)
 
     def drilling(self, profile: Profile) -> Drilling:
         """Tapped holes, a run-out deeper than their thread."""

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 import numpy as np
 
 from ddgfab.errors import DetailError
-from fabrication.gridshell.detailing.connections.base import Drilling, Mounted
+from fabrication.gridshell.detailing.connections.base import Drilling, Mounted, usual_plate
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
 from fabrication.parts.fastener import bolt, nut, stud, washer
-from fabrication.standards.fasteners import Fastener, bolt_length, stud_length
+from fabrication.standards.fasteners import Fastener, bolt_length, fastener, stud_length
 
 if TYPE_CHECKING:
     from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
+    from fabrication.gridshell.project import Project
 
 FastenerChoice: TypeAlias = Literal["stud", "bolt"]
 
@@ -51,6 +52,14 @@ class Threaded:
     grip: float
     mounted: tuple[Mounted, ...]
     length: float
+
+
+def tapped(project: Project) -> tuple[Fastener, FastenerChoice, float, float | None]:
+    """Size, stud or bolt, plate [mm], and the thread [mm] that a project asks for, or None."""
+    settings, size = project.connection, fastener(project.connection.bolt)
+    plate = usual_plate(size) if settings.plate_mm == "auto" else settings.plate_mm
+    thread = None if settings.thread_mm == "auto" else settings.thread_mm
+    return size, settings.fastener, plate, thread
 
 
 def drilling(size: Fastener, thread: float | None, across: float = 0.0) -> Drilling:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import ClassVar, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,34 @@ class Joints:
         node = np.zeros((len(self.frames.length), 2), dtype=np.int64)
         node[self.arms.edge, self.arms.end] = self.arms.node
         return [int(v) for v in node[edges, ends]]
+
+
+MARK: Final = (3.0, 1.0)
+"""Diameter and depth [mm] of the reference mark of nodes that are cut from plate."""
+
+SLACK: Final = 1e-6
+"""A distance [mm] may fall short by this, so that noise adds no step."""
+
+
+def require_bolts(project: Project, found: object, connection: str) -> None:
+    """Raise `DetailError` unless beams and bolts alone size the nodes.
+
+    Parameters
+    ----------
+    found : what the connection needs of such nodes, or None
+    connection : the kind that they are for
+    """
+    kind = project.node.kind
+    if found is None:
+        raise DetailError(
+            f'[node] kind = "{kind}" is for [connection] kind = "{connection}", not '
+            f'"{project.connection.kind}"'
+        )
+    if project.node.diameter_mm != "auto":
+        raise DetailError(
+            f'the size of nodes of kind "{kind}" follows from beams and bolts: leave [node] '
+            "diameter_mm out"
+        )
 
 
 @dataclass(frozen=True)

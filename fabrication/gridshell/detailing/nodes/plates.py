@@ -8,12 +8,11 @@ from typing import ClassVar, Final, Self
 
 import numpy as np
 
-from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
 from fabrication.gridshell.detailing.arm_room import least_radii
 from fabrication.gridshell.detailing.connections.base import Discs, Joined
 from fabrication.gridshell.detailing.connections.slotted import arm_slopes, axis_levels
-from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
+from fabrication.gridshell.detailing.nodes.base import MARK, SLACK, Joints, NodeSize, require_bolts
 from fabrication.parts.node import ReferenceMark
 from fabrication.parts.spool import SPOOL, SpoolShape
 from fabrication.specs import Kind
@@ -23,12 +22,6 @@ CORE: Final = 0.6
 
 LEAST_CUT: Final = 25.0
 """The beams' cuts are so far [mm] from the axis, or farther."""
-
-MARK: Final = (3.0, 1.0)
-"""Diameter and depth [mm] of the reference mark."""
-
-SLACK: Final = 1e-6
-"""A distance [mm] may fall short by this, so that noise adds no step."""
 
 
 @dataclass(frozen=True)
@@ -53,15 +46,8 @@ class Plates(NodeSize):
         """
         arms, project = joints.arms, joints.project
         discs = joints.connection.discs(joints.profile)
-        if discs is None:
-            raise DetailError(
-                f'[node] kind = "plates" is for [connection] kind = "slotted", not '
-                f'"{project.connection.kind}"'
-            )
-        if project.node.diameter_mm != "auto":
-            raise DetailError(
-                "the size of the discs follows from beams and bolts: leave [node] diameter_mm out"
-            )
+        require_bolts(project, discs, "slotted")
+        assert discs is not None
         needs = least_radii(arms, joints.width, project.node.arm_clearance_mm)
         worst = int(needs.argmax())
         seat = max(float(np.sqrt(needs[worst] ** 2 - 0.25 * joints.width**2)), LEAST_CUT)

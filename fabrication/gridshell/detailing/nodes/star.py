@@ -8,20 +8,13 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
 from fabrication.gridshell.detailing.arm_room import least_radii
 from fabrication.gridshell.detailing.connections.base import Joined, Tongue
-from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
+from fabrication.gridshell.detailing.nodes.base import MARK, SLACK, Joints, NodeSize, require_bolts
 from fabrication.parts.node import ReferenceMark
 from fabrication.parts.star import STAR, StarShape, TongueHole
 from fabrication.specs import Kind
-
-MARK = (3.0, 1.0)
-"""Diameter and depth [mm] of the reference mark."""
-
-SLACK = 1e-6
-"""A distance [mm] may fall short by this, so that noise adds no step."""
 
 
 @dataclass(frozen=True)
@@ -48,15 +41,8 @@ class Star(NodeSize):
         """
         arms, project = joints.arms, joints.project
         tongue = joints.connection.tongue(joints.profile)
-        if tongue is None:
-            raise DetailError(
-                f'[node] kind = "star" is for [connection] kind = "bolted_tongue", not '
-                f'"{project.connection.kind}"'
-            )
-        if project.node.diameter_mm != "auto":
-            raise DetailError(
-                "the size of a star follows from beams and bolts: leave [node] diameter_mm out"
-            )
+        require_bolts(project, tongue, "bolted_tongue")
+        assert tongue is not None
         needs = least_radii(arms, joints.width, project.node.arm_clearance_mm)
         seats = np.sqrt(needs**2 - 0.25 * joints.width**2)
         # The nuts of neighbours, sideways from their beams, keep to their halves of the gap.
