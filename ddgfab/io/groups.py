@@ -168,8 +168,11 @@ class GroupRows:
             np.array(self._edges, dtype=np.int64).reshape(-1, 2),
             np.array(self._edge_set, dtype=np.int64),
         )
-        ids = [made.points, made.edges.ravel()]
-        top = max((int(i.max()) for i in ids if len(i)), default=-1)
-        new = np.arange(max(top, count - 1) + 1)
-        new[count:] = -1
-        return made.renumbered(new) if top >= count else made
+        points, edges = made.points < count, (made.edges < count).all(axis=1)
+        return Groups(
+            made.names,
+            made.points[points],
+            made.point_set[points],
+            made.edges[edges],
+            made.edge_set[edges],
+        )

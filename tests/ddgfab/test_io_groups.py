@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -101,3 +102,12 @@ def test_ids_beyond_the_file(tmp_path: Path) -> None:
     groups, _, _ = read(tmp_path, V + "f 1 2 5 4\ng rim\nl 1 2\nl 2 77\np 99 1\n")
     assert groups.edges_of("rim").tolist() == [[0, 1]]
     assert groups.vertices_of("rim").tolist() == [0, 1]
+
+
+def test_ids_far_beyond_the_file_take_no_memory(tmp_path: Path) -> None:
+    tracemalloc.start()
+    groups, _, _ = read(tmp_path, V + "f 1 2 5 4\ng rim\nl 1 2\nl 2 20000001\np 20000000\n")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert groups.vertices_of("rim").tolist() == [0, 1]
+    assert peak < 10e6
