@@ -216,8 +216,8 @@ class ConnectionSettings(_WithKind):
     bolt : size of studs and bolts
     bolts : of an end plate: 2, or more in rows of 2
     fastener : "stud" (DIN 976-1, with a nut) or "bolt" (ISO 4017) through the plate
-    plate_mm : thickness of the plate, of a solid end, or of a tongue; "auto": the bolt's diameter
-        or more, in steps of 5 mm
+    plate_mm : thickness of the plate, of a solid end, or of a tongue; "auto": the
+        first thickness kept in stock, from the bolt's diameter, with which a bolt fits
     thread_mm : complete thread in the node; "auto": 1.5 bolt diameters where there is room, at
         least 1; through the wall of a tube
     fasteners : whether studs, bolts, nuts and washers are parts, with files, in the assembly

@@ -41,6 +41,9 @@ STANDARDS: Final[dict[FastenerKind, str]] = {
 }
 """Standards of what has one; a bolt's depends on whether it has a shank."""
 
+WIDE: Final = "ISO 7094"
+"""Standard of extra large washers."""
+
 SIDES: Final = 6
 
 
@@ -146,10 +149,10 @@ def nut(size: Fastener) -> FastenerShape:
     return FastenerShape("nut", name, size.flats, 0.0, 0.0, size.diameter, 0.0, size.nut)
 
 
-def washer(size: Fastener) -> FastenerShape:
-    """A plain washer."""
-    inside, outside, thickness = size.washer
-    name = f"{STANDARDS['washer']} {size.diameter:g}"
+def washer(size: Fastener, *, wide: bool = False) -> FastenerShape:
+    """A plain washer, or an extra large one."""
+    inside, outside, thickness = size.wide if wide else size.washer
+    name = f"{WIDE if wide else STANDARDS['washer']} {size.diameter:g}"
     return FastenerShape("washer", name, 0.0, 0.0, outside, inside, 0.0, thickness)
 
 

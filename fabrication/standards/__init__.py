@@ -4,6 +4,7 @@ from fabrication.standards.data import (
     density,
     mass_kg,
     node_diameters,
+    plates,
     stock_size,
 )
 from fabrication.standards.printers import Printer, printer, printer_keys
@@ -15,6 +16,7 @@ __all__ = [
     "lying",
     "mass_kg",
     "node_diameters",
+    "plates",
     "polygon",
     "printer",
     "printer_keys",

@@ -22,6 +22,11 @@ def node_diameters(kind: str) -> tuple[float, ...]:
     return tuple(float(value) for value in sorted(table("nodes")[kind]["diameters"]))
 
 
+def plates() -> tuple[float, ...]:
+    """Ascending thicknesses [mm] of steel plate that are kept in stock."""
+    return tuple(float(value) for value in table("plates")["thicknesses"])
+
+
 def density(material: str) -> float:
     """Density [kg/m3] of "steel" or "glass"."""
     return float(table("materials")[material]["density"])

@@ -20,6 +20,22 @@ _CORNERS: Final = 2.0 / math.sqrt(3.0)
 
 
 @dataclass(frozen=True)
+class Timber:
+    """Distances and sizes [mm] of bolts in timber, loaded along the grain.
+
+    spacing, end, edge : least distance of two bolts along the grain, to a loaded end, to the side
+    hole : greatest diameter of the hole
+    washer : least width and thickness of washers
+    """
+
+    spacing: float
+    end: float
+    edge: float
+    hole: float
+    washer: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Fastener:
     """The dimensions [mm] of bolt, nut, washer and holes of one size.
 
@@ -32,6 +48,7 @@ class Fastener:
     flats : width across flats of head and nut
     head, nut : their heights
     washer : inside and outside diameter, thickness
+    wide : of an extra large washer, for timber
     full, shank : shortest and longest bolt threaded up to the head, and with a shank
     """
 
@@ -44,6 +61,7 @@ class Fastener:
     head: float
     nut: float
     washer: tuple[float, float, float]
+    wide: tuple[float, float, float]
     full: tuple[float, float]
     shank: tuple[float, float]
 
@@ -71,6 +89,18 @@ class Fastener:
     def spacing_across(self) -> float:
         """Least distance of two holes across the direction of the load (the same table)."""
         return float(table("fasteners")["distances"]["spacing_across"]) * self.hole
+
+    @property
+    def in_timber(self) -> Timber:
+        """What a bolt in timber needs (EN 1995-1-1, table 8.4 and 10.4.3)."""
+        rule, d = table("fasteners")["timber"], self.diameter
+        return Timber(
+            rule["spacing"] * d,
+            max(rule["end"] * d, rule["least_end_mm"]),
+            rule["edge"] * d,
+            d + rule["hole_mm"],
+            (rule["washer"] * d, rule["washer_thickness"] * d),
+        )
 
     @property
     def least_thread(self) -> float:
@@ -106,7 +136,6 @@ def fastener(size: str) -> Fastener:
     if size not in sizes:
         raise ProjectError(f'there is no bolt "{size}"; known: {", ".join(sizes)}')
     row = sizes[size]
-    inside, outside, thickness = row["washer"]
     return Fastener(
         size,
         row["diameter"],
@@ -116,10 +145,16 @@ def fastener(size: str) -> Fastener:
         row["s"],
         row["k"],
         row["m"],
-        (inside, outside, thickness),
+        _three(row["washer"]),
+        _three(row["wide"]),
         (float(row["full"][0]), float(row["full"][1])),
         (float(row["shank"][0]), float(row["shank"][1])),
     )
+
+
+def _three(values: list[float]) -> tuple[float, float, float]:
+    inside, outside, thickness = values
+    return float(inside), float(outside), float(thickness)
 
 
 def fasteners() -> tuple[Fastener, ...]:

@@ -88,14 +88,14 @@ def test_holes_turn_with_the_structure() -> None:
 
 
 def test_what_a_stud_is_made_of() -> None:
-    """M12, plate 15: thread and run-out in the node, washer and nut behind the plate."""
+    """M12, plate 12: thread and run-out in the node, washer and nut behind the plate."""
     joined = bolted(dome()).joined
     assert joined.depth is not None
     assert joined.thread == joined.depth - 2 * 1.75
     assert 12.0 <= joined.thread <= 18.0
-    assert joined.grip == 0.5 + 15.0 + 2.5
+    assert joined.grip == 0.5 + 12.0 + 2.5
     rod, ring, nut = joined.mounted
-    assert (rod.at, ring.at, nut.at) == (-joined.thread, 15.5, 18.0)
+    assert (rod.at, ring.at, nut.at) == (-joined.thread, 12.5, 15.0)
     least = joined.thread + joined.grip + 10.8 + 1.75  # one pitch beyond the nut
     assert rod.shape.length == stud_length(least)
     assert least <= rod.shape.length < least + 5.0

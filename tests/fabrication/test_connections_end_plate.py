@@ -23,6 +23,7 @@ from fabrication.job.run import make
 from fabrication.parts.beam import BeamShape, EndCut, PlateEnd
 from fabrication.parts.node import NodeShape, RadialHole, Seat
 from fabrication.solids import realise
+from fabrication.standards import plates
 from fabrication.standards.fasteners import fastener
 from fabrication.standards.profiles import z_range
 
@@ -149,11 +150,32 @@ def test_the_advice_works() -> None:
     most = int(str(caught.value).split("bolts = ")[1].split()[0])
     assert most == 6
     plated(dome(), beam={"profile": "FL 60x12"}, connection={**FOUR, "bolts": most})
-    odd = {**FOUR, "fastener": "bolt", "plate_mm": 12.6, "thread_mm": 8.0}
-    with pytest.raises(DetailError, match=r"of 22\.7 to") as caught:
+    odd = {**FOUR, "fastener": "bolt", "plate_mm": 12.0, "thread_mm": 7.9}
+    with pytest.raises(DetailError, match=r"of 22\.0 to") as caught:
         plated(dome(), connection=odd)
     plate = float(str(caught.value).split("plate_mm = ")[1].split()[0])
+    assert plate == 10.0
     plated(dome(), connection={**odd, "plate_mm": plate})
+    assert plated(dome(), connection={**odd, "plate_mm": "auto"}).bolts
+    with pytest.raises(DetailError, match=r'take .* fastener = "stud"'):
+        plated(dome(), connection={**odd, "thread_mm": 8.0})
+    plated(dome(), connection={**odd, "thread_mm": 8.0, "fastener": "stud"})
+
+
+@pytest.mark.parametrize("thread", [10.0, 11.0, 12.0, "auto"])
+@pytest.mark.parametrize("size", ["M8", "M10", "M12", "M14"])
+def test_plates_are_of_thicknesses_kept_in_stock(size: str, thread: float | str) -> None:
+    """Whatever thread is asked for: 10.5 mm is no plate that can be bought."""
+    wanted = {**FOUR, "bolts": 2, "bolt": size, "fastener": "bolt", "thread_mm": thread}
+    try:
+        shell = plated(dome(), connection=wanted)
+    except DetailError as error:
+        assert "the series has none" in str(error)  # noqa: PT017 - some threads fit no bolt
+        return
+    plate = shell.joined.plate
+    assert plate is not None
+    assert plate.thickness in plates()
+    assert plate.thickness >= fastener(size).diameter
 
 
 def test_twisted_beams_are_refused() -> None:

@@ -96,7 +96,12 @@ def test_distances(size: str) -> None:
     outer = comb.slots[0][0] - comb.floors[0]
     middle = comb.slots[1][0] - comb.slots[0][1]
     assert min(outer, 0.5 * middle) >= 1.5 * m.diameter
-    rod, _, _, nut = shell.joined.mounted
+    rod, ring, _, nut = shell.joined.mounted
+    # EN 1995-1-1, 10.4.3: washers 3 d wide and 0.3 d thick, in a recess that takes them
+    assert ring.shape.outside >= 3.0 * m.diameter
+    assert ring.shape.length >= 0.3 * m.diameter
+    assert comb.recess > ring.shape.outside
+    assert comb.diameter <= m.diameter + 1.0
     assert rod.at - rod.shape.length <= nut.at - nut.shape.length - m.pitch
     # heads are below the wood: the top of a head from the lowest rim of its recess
     for beam in shell.beams:
@@ -104,7 +109,7 @@ def test_distances(size: str) -> None:
             n = math.hypot(1.0, cut.slope)
             for step in cut.comb.steps:
                 rim = n * 150.0 - outward * cut.slope * step - 0.5 * comb.recess * abs(cut.slope)
-                assert rim >= cut.comb.floors[1] + m.washer[2] + m.head - 1e-9
+                assert rim >= cut.comb.floors[1] + m.wide[2] + m.head - 1e-9
 
 
 @pytest.mark.parametrize(
@@ -121,6 +126,10 @@ def test_distances(size: str) -> None:
         ({"connection": STUD}, ['kind = "slotted"', '"stud"']),
         ({"node": {"kind": "plates", "diameter_mm": 300}}, ["leave [node] diameter_mm out"]),
         ({"connection": {**SLOTTED, "plate_mm": 40.0}}, ["slots of 41 mm", "a thinner"]),
+        (
+            {"connection": {**SLOTTED, "bolt": "M24"}},
+            ["72 mm wide and 7.2", "85 and 6", '"M20"'],
+        ),
     ],
 )
 def test_what_does_not_fit_is_named(sections: dict[str, Any], words: list[str]) -> None:

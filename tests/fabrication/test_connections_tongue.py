@@ -69,7 +69,7 @@ def test_distances_of_bolts_and_edges() -> None:
     first, second = tongue.steps
     assert second - first >= 2.2 * 13.5
     assert min(first, tongue.length - second) >= 1.2 * 13.5
-    assert (tongue.slot, tongue.depth) == (15.0 + 1.0, tongue.length + 2.0)
+    assert (tongue.slot, tongue.depth) == (12.0 + 1.0, tongue.length + 2.0)
     for node in shell.nodes:
         for hole in node.shape.holes:
             assert min(node.shape.z1 - hole.z, hole.z - node.shape.z0) >= 1.2 * 13.5 - 1e-9
@@ -98,7 +98,7 @@ def test_nuts_of_neighbours_keep_apart() -> None:
 @pytest.mark.parametrize(
     ("sections", "words"),
     [
-        ({"beam": {"profile": "FL 100x24"}}, ["cheeks of 4.0 mm", "7.5 mm each", "FL 33x31"]),
+        ({"beam": {"profile": "FL 100x24"}}, ["cheeks of 5.5 mm", "6 mm each", "FL 33x25"]),
         ({"beam": {"profile": "FL 30x40"}}, ["15.0 mm from the edge", "16.2 mm", 'bolt = "M10"']),
         ({"beam": {"profile": "RHS 100x60x4"}}, ["only flat bars"]),
         ({"node": {"kind": "cylinder"}}, ['needs [node] kind = "star"', '"cylinder"']),

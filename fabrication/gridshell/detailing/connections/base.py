@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from ddgfab.mesh import Floats
 from fabrication.parts.beam import CombEnd, PlateEnd, StudEnd
 from fabrication.parts.fastener import FastenerShape
 from fabrication.specs import Profile
+from fabrication.standards import plates
 from fabrication.standards.fasteners import Fastener
 
 if TYPE_CHECKING:
@@ -21,13 +21,22 @@ if TYPE_CHECKING:
 BOLTED: Final = ("bolt", "plate_mm", "fasteners")
 """Keys of [connection] that all bolted kinds have."""
 
-PLATE_STEP: Final = 5.0
-"""Plates [mm] are multiples of this where the project names none: as thick as the bolt or more."""
+THICKEST: Final = 2.0
+"""Plates that the project does not name are up to so many bolt diameters thick."""
+
+
+def usual_plates(size: Fastener) -> tuple[float, ...]:
+    """Thicknesses [mm] for a plate that the project does not name, the usual one first.
+
+    Those kept in stock, from the diameter of the bolt.
+    """
+    least, most = size.diameter, THICKEST * size.diameter
+    return tuple(t for t in plates() if least <= t <= most)
 
 
 def usual_plate(size: Fastener) -> float:
     """Thickness [mm] of a plate that the project does not name."""
-    return PLATE_STEP * math.ceil(size.diameter / PLATE_STEP)
+    return usual_plates(size)[0]
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,8 @@ class EndPlate(Connection):
     """Bolts or studs through a plate that is welded to the end of the beam.
 
     bolts : of an arm, in rows of two
-    plate, clearance : thickness of the plate, and from the seat to it [mm]
+    plates : thicknesses of the plate [mm], the first that a fastener fits is taken
+    clearance : from the seat to it [mm]
     weld : throat thickness of the weld between bar and plate [mm]
     thread : length of thread in engagement [mm] that the project asks for; None: the usual one
     """
@@ -62,7 +63,7 @@ class EndPlate(Connection):
     size: Fastener
     fastener: FastenerChoice
     bolts: int
-    plate: float
+    plates: tuple[float, ...]
     clearance: float
     weld: float
     thread: float | None = None
@@ -72,9 +73,9 @@ class EndPlate(Connection):
     @classmethod
     def of(cls, project: Project) -> Self:
         """The one of a project."""
-        size, choice, plate, thread = tapped(project)
+        size, choice, plates, thread = tapped(project)
         bolts, weld = project.connection.bolts, project.connection.weld_mm
-        return cls(size, choice, bolts, plate, project.beam.clearance_mm, weld, thread)
+        return cls(size, choice, bolts, plates, project.beam.clearance_mm, weld, thread)
 
     @property
     def leg(self) -> float:
@@ -107,10 +108,10 @@ class EndPlate(Connection):
         """Least distance of two rows [mm]: p1, and a spanner beside the next head."""
         return max(self.size.spacing, 0.5 * (self.size.wrench + self.size.corners))
 
-    def height(self, profile: Profile, slope: float) -> float:
-        """Height [mm] of the plates that covers the bar and its weld at cuts of a slope."""
+    def height(self, profile: Profile, slope: float, plate: float) -> float:
+        """Height [mm] of plates that cover the bar and its weld at cuts of a slope."""
         low, high = z_range(profile)
-        cover = (high - low) * math.hypot(1.0, slope) + 2.0 * (self.plate * slope + self.leg)
+        cover = (high - low) * math.hypot(1.0, slope) + 2.0 * (plate * slope + self.leg)
         return STEP * math.ceil(cover / STEP)
 
     def drilling(self, profile: Profile) -> Drilling:
@@ -147,9 +148,9 @@ class EndPlate(Connection):
         profile, m = joints.profile, self.size
         slope = float(np.abs(joints.frames.slope).max())
         holes = self.drilling(profile)
-        under = self.clearance + self.plate
-        found = threaded(joints, size, m, holes, under, self.plate, self.fastener)
-        column, height = self.column(profile), self.height(profile, slope)
+        found = threaded(joints, size, m, holes, self.clearance, self.plates, self.fastener)
+        plate = found.plate
+        column, height = self.column(profile), self.height(profile, slope, plate)
         rows = self._rows(height)
         places = tuple((y, w) for w in rows for y in (-column, column))
         low, high = z_range(profile)
@@ -158,13 +159,13 @@ class EndPlate(Connection):
             0.5 * (low + high),
             self.arm_width(profile),
             height,
-            self.plate,
+            plate,
             places,
             m.hole,
             vent_of([segments(loop) for loop in profile.loops]) if hollow else 0.0,
         )
         # Behind the plate a bolt is put in, and its nut or head is turned.
-        taken = self.plate + max(found.length, 0.5 * m.wrench)
+        taken = plate + max(found.length, 0.5 * m.wrench)
         return Joined(
             "end_plate",
             plate=end,
@@ -196,7 +197,7 @@ class EndPlate(Connection):
     def _misfit(self, profile: Profile, slope: float) -> str:
         """Why the rows do not fit, or an empty text."""
         count = self.bolts // EDGES
-        height = self.height(profile, slope)
+        height = self.height(profile, slope, self.plates[0])
         needed = 2.0 * self.size.end + (count - 1) * self.pitch()
         if needed > height:
             return (

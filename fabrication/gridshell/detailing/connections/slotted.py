@@ -1,15 +1,15 @@
 """Slotted connections: discs of the node in slots across the beam's end, bolts along its axis.
 
 As it is done in timber: the bar has two slots from side to side, square to the node axis, and bolts
-through bar and discs, with head and nut in recesses. Distances along and across the grain:
-EN 1995-1-1:2004, table 8.4 (bolts), for a force along the bar; to the edge of a disc EN 1993-1-8,
-table 3.3.
+through bar and discs, with head and nut in recesses, on extra large washers. Distances along and
+across the grain, and washers: EN 1995-1-1:2004, table 8.4 (bolts), for a force along the bar, and
+10.4.3; to the edge of a disc EN 1993-1-8, table 3.3.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Final, Self
 
 import numpy as np
@@ -29,24 +29,21 @@ from fabrication.parts.beam import CombEnd
 from fabrication.parts.beam.slot import bar_sides
 from fabrication.parts.fastener import bolt, nut, washer
 from fabrication.specs import Profile
+from fabrication.standards import plates
 from fabrication.standards.fasteners import Fastener, fastener, fasteners, shortest_bolt
 
 if TYPE_CHECKING:
     from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
     from fabrication.gridshell.project import Project
 
-SPACING, END, LEAST_END, EDGE = 5.0, 7.0, 80.0, 3.0
-"""EN 1995-1-1:2004, table 8.4, at 0 deg to the grain: a1 and a3,t in bolt diameters, least a3,t
-[mm], and a4,c in bolt diameters."""
-
 STEP: Final = 5.0
 """Distances of bolts and sizes of discs [mm] are multiples of this."""
 
-SHEETS: Final = (6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0)
-"""Thicknesses of discs [mm]."""
-
 SHEET: Final = 0.75
 """Least thickness of a disc, in bolt diameters."""
+
+LEAST_SHEET: Final = 6.0
+"""Least thickness of a disc [mm]."""
 
 STRIP: Final = 1.5
 """Least thickness of the bar between recess and slot, in bolt diameters."""
@@ -79,20 +76,20 @@ class Slotted(Connection):
     def of(cls, project: Project) -> Self:
         """The one of a project."""
         size, given = fastener(project.connection.bolt), project.connection.plate_mm
-        usual = next(t for t in SHEETS if t >= SHEET * size.diameter)
+        usual = next(t for t in plates() if t >= max(SHEET * size.diameter, LEAST_SHEET))
         return cls(size, usual if given == "auto" else given, project.beam.clearance_mm)
 
     @property
     def recess(self) -> float:
         """Diameter [mm] of the recesses for head and nut."""
-        return float(math.ceil(max(self.size.washer[1] + 1.0, SOCKET * self.size.flats)))
+        return float(math.ceil(max(self.size.wide[1] + 1.0, SOCKET * self.size.flats)))
 
     @property
     def steps(self) -> tuple[float, float]:
         """From the cut to the bolts [mm]: a3,t, and a1 or two recesses beyond it."""
-        end = max(END * self.size.diameter, LEAST_END)
-        pitch = max(SPACING * self.size.diameter, self.recess + self.size.diameter)
-        first = STEP * math.ceil(end / STEP)
+        needs = self.size.in_timber
+        pitch = max(needs.spacing, self.recess + self.size.diameter)
+        first = STEP * math.ceil(needs.end / STEP)
         return first, first + STEP * math.ceil(pitch / STEP)
 
     def discs(self, profile: Profile) -> Discs:
@@ -115,12 +112,13 @@ class Slotted(Connection):
             )
         check_square(joints, "slotted", "a slot for discs")
         half, _, _ = bar_sides(joints.profile)
-        needed = max(EDGE * self.size.diameter, 0.5 * self.recess + self.size.diameter)
+        self._check_washer()
+        needed = self._beside()
         if half < needed:
             fits = [
                 m.size
                 for m in fasteners()
-                if half >= max(EDGE * m.diameter, 0.5 * SOCKET * m.flats + m.diameter)
+                if not _thin(m) and half >= replace(self, size=m)._beside()
             ]
             arms = joints.arms
             raise DetailError(
@@ -131,6 +129,18 @@ class Slotted(Connection):
                 + (f'[connection] bolt = "{fits[-1]}" or ' if fits else "")
                 + f"a [beam] profile {math.ceil(2.0 * needed)} mm wide"
             )
+
+    def _beside(self) -> float:
+        """From the bolts to the side of the bar [mm]."""
+        return max(self.size.in_timber.edge, 0.5 * self.recess + self.size.diameter)
+
+    def _check_washer(self) -> None:
+        """Raise where the washer of the size is too small for timber."""
+        if (why := _thin(self.size)) == "":
+            return
+        near = sorted(fasteners(), key=lambda m: abs(m.diameter - self.size.diameter))
+        fits = next(m.size for m in near if not _thin(m))
+        raise DetailError(f'{why}\ntake [connection] bolt = "{fits}"')
 
     def fit(self, joints: Joints, size: NodeSize) -> Joined:
         """Where slots and recesses are, alike at all arms about the discs of their node.
@@ -153,12 +163,12 @@ class Slotted(Connection):
         # From the level of the discs to the lowest rim of a recess at the top, and at the bottom.
         rim = 0.5 * self.recess * np.abs(slope)
         steps = np.array(self.steps)[:, None]
-        above = (half_depth + slope * steps - offset - rim).min(axis=0) - m.head - m.washer[2]
+        above = (half_depth + slope * steps - offset - rim).min(axis=0) - m.head - m.wide[2]
         below = (half_depth - slope * steps + offset - rim).min(axis=0) - SHALLOW
         room = np.minimum(above, below)
         worst = int(room.argmin())
         needed = self.plate + 2.0 * self.clearance + 2.0 * STRIP * m.diameter
-        ends = 2.0 * m.washer[2] + m.nut + m.pitch
+        ends = 2.0 * m.wide[2] + m.nut + m.pitch
         longest = max(m.full[1], m.shank[1]) - ends  # recesses go deeper for short bolts
         grip = 2.0 * math.floor(min(float(room[worst]), 0.5 * longest))
         if grip < 2.0 * needed:
@@ -180,7 +190,7 @@ class Slotted(Connection):
         offsets = np.zeros((len(frames.length), 2))
         offsets[arms.edge, arms.end] = offset
         depth = discs.length + max(SLOT_GAP, self.clearance)
-        hole = m.diameter + 1.0  # EN 1995-1-1, 10.4.3: at most 1 mm more than the bolt
+        hole = m.in_timber.hole
         end = CombEnd(
             middle,
             0.0,
@@ -193,15 +203,15 @@ class Slotted(Connection):
             grip,
         )
         stretch = float(np.hypot(1.0, slope).max())
-        thick, top = m.washer[2], 0.5 * grip
+        thick, top = m.wide[2], 0.5 * grip
         return Joined(
             "slotted",
             comb=end,
             offsets=offsets,
             mounted=(
                 Mounted(bolt(m, length, shank=shank), top + thick, -1),
-                Mounted(washer(m), top, 1),
-                Mounted(washer(m), -top, -1),
+                Mounted(washer(m, wide=True), top, 1),
+                Mounted(washer(m, wide=True), -top, -1),
                 Mounted(nut(m), -top - thick, -1),
             ),
             beam_hole=hole,
@@ -210,6 +220,18 @@ class Slotted(Connection):
             end_length=depth * stretch + float(np.abs(slope).max()) * (high - low),
             levels=level,
         )
+
+
+def _thin(size: Fastener) -> str:
+    """Why the extra large washer of a size is too small for timber, or an empty text."""
+    _, width, thickness = size.wide
+    least = size.in_timber.washer
+    if width >= least[0] and thickness >= least[1]:
+        return ""
+    return (
+        f"washers in timber for {size.size} are {least[0]:g} mm wide and {least[1]:.1f} mm thick "
+        f"or more (EN 1995-1-1, 10.4.3); the largest, ISO 7094, has {width:g} and {thickness:g} mm"
+    )
 
 
 def arm_slopes(joints: Joints) -> Floats:

@@ -57,14 +57,14 @@ HANDLE: Final = 0.5
 class Stud(Connection):
     """A stud with a nut, or a bolt, along the radius through the middle of the end face.
 
-    plate : thickness of the plate [mm]
+    plates : thicknesses of the plate [mm], the first that a fastener fits is taken
     clearance : from the seat to the plate [mm]
     thread : length of thread in engagement [mm] that the project asks for; None: the usual one
     """
 
     size: Fastener
     fastener: FastenerChoice
-    plate: float
+    plates: tuple[float, ...]
     clearance: float
     thread: float | None = None
 
@@ -73,8 +73,8 @@ class Stud(Connection):
     @classmethod
     def of(cls, project: Project) -> Self:
         """The one of a project."""
-        size, choice, plate, thread = tapped(project)
-        return cls(size, choice, plate, project.beam.clearance_mm, thread)
+        size, choice, plates, thread = tapped(project)
+        return cls(size, choice, plates, project.beam.clearance_mm, thread)
 
     def drilling(self, profile: Profile) -> Drilling:
         """Tapped holes, a run-out deeper than their thread."""
@@ -111,19 +111,19 @@ class Stud(Connection):
         DetailError
             See `Connection.fit`.
         """
-        bolt_size, under = self.size, self.clearance + self.plate
+        bolt_size = self.size
         holes = self.drilling(joints.profile)
-        found = threaded(joints, size, bolt_size, holes, under, self.plate, self.fastener)
+        found = threaded(joints, size, bolt_size, holes, self.clearance, self.plates, self.fastener)
         opening = found.length
         opening = OPENING_STEP * math.ceil((opening + 0.5 * OPENING_STEP) / OPENING_STEP)
         low, high = z_range(joints.profile)
         end = StudEnd(
-            0.5 * (low + high), bolt_size.hole, self.plate, opening, bolt_size.wrench, CORNER
+            0.5 * (low + high), bolt_size.hole, found.plate, opening, bolt_size.wrench, CORNER
         )
         self._check_strips(joints, end)
         stretch = np.hypot(1.0, joints.frames.slope).max()
         lean = bolt_size.wrench * (stretch**2 - 1.0) ** 0.5
-        taken = (self.plate + opening + CORNER) * stretch + lean
+        taken = (found.plate + opening + CORNER) * stretch + lean
         return Joined(
             "stud",
             end,

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 import numpy as np
 
 from ddgfab.errors import DetailError
-from fabrication.gridshell.detailing.connections.base import Drilling, Mounted, usual_plate
+from fabrication.gridshell.detailing.connections.base import Drilling, Mounted, usual_plates
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
 from fabrication.parts.fastener import bolt, nut, stud, washer
+from fabrication.standards import plates
 from fabrication.standards.fasteners import Fastener, bolt_length, fastener, stud_length
 
 if TYPE_CHECKING:
@@ -26,12 +28,6 @@ DEPTH_STEP: Final = 0.5
 THROUGH: Final = 10.0
 """How far [mm] a bolt may stand out of the wall of a tube, in its bore."""
 
-PLATES: Final = 60
-"""Within so many steps the nearest thickness of a plate is looked for that a bolt fits."""
-
-PLATE_STEP: Final = 0.1
-"""Step [mm] of that search."""
-
 SLACK: Final = 1e-9
 """A bolt [mm] may be longer by this: rounding of sums."""
 
@@ -45,6 +41,7 @@ class Threaded:
     grip : from the seat to the head or nut
     mounted : the fasteners, from the seat outwards
     length : of the fastener, a bolt's with its head
+    plate : thickness of the plate
     """
 
     depth: float | None
@@ -52,14 +49,15 @@ class Threaded:
     grip: float
     mounted: tuple[Mounted, ...]
     length: float
+    plate: float
 
 
-def tapped(project: Project) -> tuple[Fastener, FastenerChoice, float, float | None]:
-    """Size, stud or bolt, plate [mm], and the thread [mm] that a project asks for, or None."""
+def tapped(project: Project) -> tuple[Fastener, FastenerChoice, tuple[float, ...], float | None]:
+    """Size, stud or bolt, plates [mm] to choose from, and the thread [mm] asked for, or None."""
     settings, size = project.connection, fastener(project.connection.bolt)
-    plate = usual_plate(size) if settings.plate_mm == "auto" else settings.plate_mm
+    plates = usual_plates(size) if settings.plate_mm == "auto" else (settings.plate_mm,)
     thread = None if settings.thread_mm == "auto" else settings.thread_mm
-    return size, settings.fastener, plate, thread
+    return size, settings.fastener, plates, thread
 
 
 def drilling(size: Fastener, thread: float | None, across: float = 0.0) -> Drilling:
@@ -75,16 +73,16 @@ def threaded(
     node: NodeSize,
     size: Fastener,
     holes: Drilling,
-    under: float,
-    plate: float,
+    gap: float,
+    choice: Sequence[float],
     kind: FastenerChoice,
 ) -> Threaded:
-    """The fasteners of all arms, as the shallowest hole allows.
+    """The fasteners of all arms, as the shallowest hole allows, with the first plate that fits.
 
     Parameters
     ----------
-    under : from the seat to the washer
-    plate : what the project can change of it, for the message
+    gap : from the seat to the plate
+    choice : thicknesses of the plate
 
     Raises
     ------
@@ -99,39 +97,51 @@ def threaded(
         depth = min(holes.usual, DEPTH_STEP * math.floor(float(room.min()) / DEPTH_STEP))
         depth = max(depth, holes.least)
         thread = depth - size.runout
-    grip = under + size.washer[2]
+    for plate in choice:
+        grip = gap + plate + size.washer[2]
+        length, _ = _length(size, kind, grip, thread, holes, through)
+        if length is None:
+            continue
+        under = gap + plate
+        if kind == "bolt":
+            screw = (Mounted(washer(size), under, 1), Mounted(bolt(size, length), grip, -1))
+            return Threaded(depth, thread, grip, screw, length + size.head, plate)
+        rod = Mounted(stud(size, length), -thread, 1)
+        on_rod = (rod, Mounted(washer(size), under, 1), Mounted(nut(size), grip, 1))
+        return Threaded(depth, thread, grip, on_rod, length, plate)
+    plate = choice[0]
+    grip = gap + plate + size.washer[2]
+    _, (least, most) = _length(size, kind, grip, thread, holes, through)
+    others = [
+        t
+        for t in sorted(plates(), key=lambda t: abs(t - plate))
+        if t >= 0.5 * size.diameter
+        and _length(size, kind, grip + t - plate, thread, holes, through)[0] is not None
+    ]
+    advice = f"another [connection] plate_mm, which is {plate:g}"
+    if others:
+        advice = f"[connection] plate_mm = {others[0]:g} instead of {plate:g}"
+    elif kind == "bolt":
+        advice = '[connection] fastener = "stud", which is cut to any thickness of the plate'
+    raise _no_length(joints, size, kind, least, most, advice)
+
+
+def _length(
+    size: Fastener, kind: str, grip: float, thread: float, holes: Drilling, through: bool
+) -> tuple[float | None, tuple[float, float]]:
+    """Length of the series for a grip, or None; and between which lengths it is looked for."""
     if kind == "bolt":
         most = thread + (THROUGH if through else 0.0)  # into the bore a bolt may reach farther
-        length = bolt_length(size, "full", grip + holes.thread - SLACK, grip + most + SLACK)
-        if length is None:
-            advice = _nearest_plate(size, plate, grip + holes.thread, grip + most)
-            raise _no_length(joints, size, kind, plate, grip + holes.thread, grip + most, advice)
-        mounted = (Mounted(washer(size), under, 1), Mounted(bolt(size, length), grip, -1))
-        return Threaded(depth, thread, grip, mounted, length + size.head)
+        bounds = (grip + holes.thread, grip + most)
+        return bolt_length(size, "full", bounds[0] - SLACK, bounds[1] + SLACK), bounds
     needed = thread + grip + size.nut + size.pitch
-    length = stud_length(needed)
-    if length is None:
-        raise _no_length(joints, size, kind, plate, needed, math.inf, "")
-    rod = Mounted(stud(size, length), -thread, 1)
-    mounted_stud = (rod, Mounted(washer(size), under, 1), Mounted(nut(size), grip, 1))
-    return Threaded(depth, thread, grip, mounted_stud, length)
-
-
-def _nearest_plate(size: Fastener, plate: float, least: float, most: float) -> str:
-    """The nearest thickness with which a bolt of the series fits, in steps; or an empty text."""
-    steps = sorted(range(-PLATES, PLATES + 1), key=abs)
-    for step in (PLATE_STEP * k for k in steps):
-        fits = bolt_length(size, "full", least + step - SLACK, most + step + SLACK)
-        if fits and plate + step >= 0.5 * size.diameter:
-            return f"{plate + step:g} instead of {plate:g}"
-    return ""
+    return stud_length(needed), (needed, math.inf)
 
 
 def _no_length(
     joints: Joints,
     size: Fastener,
     kind: str,
-    plate: float,
     least: float,
     most: float,
     advice: str,
@@ -141,9 +151,7 @@ def _no_length(
     return DetailError(
         f"node {node_mark(arms.node[0])}, beam {beam_mark(arms.edge[0])} (and all others): a "
         f"{kind} {size.size} of {least:.1f}{upto} mm is needed, and the series "
-        "has none\n"
-        + (f"take [connection] plate_mm = {advice}" if advice else "")
-        + f"take another [connection] plate_mm, which is {plate:g}" * (not advice)
+        f"has none\ntake {advice}"
     )
 
 
