@@ -1,6 +1,7 @@
 """Nodes of two discs: one above the other on a core, with holes along the axis through both.
 
-Turned from round bar, or discs that are welded to a tube or bar.
+The discs are cut from plate and welded to a round bar. They reach into the arms only: a strip along
+each, so that nothing stands out between and beside them.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Vec
 from fabrication.parts.node import NODE, ReferenceMark
 from fabrication.parts.node.shape import ends_of, turn_between
+from fabrication.parts.star import at, gaps
 from fabrication.solids.builder import BoundaryBuilder, Coedges
+from fabrication.solids.plate import Plate
 from fabrication.solids.section import Segment, segments
 from fabrication.solids.sweep import End, walls
 from fabrication.specs import Kind, Loop
@@ -33,18 +36,25 @@ SPOOL: Final = Kind(
 )
 
 
+SQUARE: Final = 1.5 * math.pi
+"""Gap [rad] between two arms at a right angle, round the outside: a corner of the structure."""
+
+
 @dataclass(frozen=True, eq=False)
 class SpoolShape:
     """Two discs about z from z0 to z1, the vertex at the origin [mm].
 
-    radius, thickness : of both discs
+    length : of the strip of an arm, from the axis
+    width : of the strips, half of it on either side of the arm's line
+    thickness : of both discs
     core : radius of what is between them
     azimuths : of the arms [rad], counterclockwise, the first at the x axis
     steps : from the axis to the holes of every arm, on the line at its azimuth
     diameter : of the holes
     """
 
-    radius: float
+    length: float
+    width: float
     thickness: float
     core: float
     z0: float
@@ -57,7 +67,9 @@ class SpoolShape:
     def key(self) -> Hashable:
         """All sizes, and how many arms there are."""
         mark = self.mark and tuple(map(key_of, (self.mark.x, self.mark.diameter, self.mark.depth)))
-        sizes = (self.radius, self.thickness, self.core, self.z1 - self.z0, self.diameter)
+        sizes = (
+            self.length, self.width, self.thickness, self.core, self.z1 - self.z0, self.diameter,
+        )  # fmt: skip
         return (*map(key_of, sizes), tuple(map(key_of, self.steps)), len(self.azimuths), mark)
 
     @classmethod
@@ -68,7 +80,7 @@ class SpoolShape:
         points, turns = [], []
         for k in range(len(first.azimuths)):
             around = np.roll(azimuths, -k, axis=1) - azimuths[:, k : k + 1]
-            far = max(first.steps)
+            far = first.length
             points.append(
                 np.stack([far * np.cos(around), far * np.sin(around), 0.0 * around], axis=-1)
             )
@@ -88,21 +100,48 @@ class SpoolShape:
         return spool_boundary(self)
 
     def second_volume(self) -> float:
-        """Discs and core less holes and mark."""
-        between = self.z1 - self.z0 - 2.0 * self.thickness
-        holes = 2.0 * len(self.azimuths) * len(self.steps) * (0.5 * self.diameter) ** 2
-        volume = math.pi * (2.0 * self.radius**2 - holes) * self.thickness
-        volume += math.pi * self.core**2 * between
+        """Half strips beside each gap, by triangles from the axis; core, less holes and mark."""
+        half, area = 0.5 * self.width, 0.0
+        for gap in gaps(self.azimuths):
+            area += 2.0 * self.length * half
+            if gap <= SQUARE:
+                area -= half**2 / math.tan(0.5 * gap)
+            else:
+                area += half**2 * (1.0 + math.sin(gap - SQUARE))
+        holes = len(self.azimuths) * len(self.steps) * 0.25 * math.pi * self.diameter**2
+        return 2.0 * (area - holes) * self.thickness + self._beside_discs()
+
+    def _beside_discs(self) -> float:
+        """Volume [mm3] of the core between the discs less that of the mark."""
+        volume = math.pi * self.core**2 * (self.z1 - self.z0 - 2.0 * self.thickness)
         if self.mark is not None:
             volume -= 0.25 * math.pi * self.mark.diameter**2 * self.mark.depth
         return volume
 
+    def plate(self) -> Plate:
+        """A disc, from above: what is cut from plate, twice."""
+        radius, turns = 0.5 * self.diameter, np.array([-1.0, -1.0])
+        holes = [
+            Loop(np.array([(x + radius, y), (x - radius, y)]), turns) for x, y in self._places()
+        ]
+        return Plate(self.thickness, (_outline(self), *holes), count=2, rest=self._beside_discs())
+
+    def _places(self) -> list[tuple[float, float]]:
+        """The middles of all holes."""
+        return [
+            (step * math.cos(azimuth), step * math.sin(azimuth))
+            for azimuth in self.azimuths
+            for step in self.steps
+        ]
+
     def dimensions(self) -> dict[str, Any]:
-        """Diameters, height, thickness of the discs."""
+        """Diameters, height, sizes of the discs."""
         return {
-            "diameter_mm": 2.0 * self.radius,
+            "diameter_mm": 2.0 * math.hypot(self.length, 0.5 * self.width),
             "height_mm": self.z1 - self.z0,
             "disc_mm": self.thickness,
+            "disc_length_mm": self.length,
+            "disc_width_mm": self.width,
             "core_diameter_mm": 2.0 * self.core,
             "disc_hole_mm": self.diameter,
         }
@@ -128,23 +167,43 @@ def _circle(radius: float) -> list[Segment]:
     return segments(Loop(np.array([(radius, 0.0), (-radius, 0.0)]), np.array([1.0, 1.0])))
 
 
+def _outline(shape: SpoolShape) -> Loop:
+    """Strips along the arms, counterclockwise; neighbours meet where their sides do.
+
+    Beyond a gap of three quarters of a turn the strips end half a width behind the axis.
+    """
+    half = 0.5 * shape.width
+    points = []
+    for azimuth, gap in zip(shape.azimuths, gaps(shape.azimuths), strict=True):
+        points += [at(azimuth, shape.length, -half), at(azimuth, shape.length, half)]
+        if gap <= SQUARE:
+            points.append(at(azimuth, half / math.tan(0.5 * gap), half))
+        else:
+            points += [at(azimuth, -half, half), at(azimuth + gap, -half, -half)]
+    return Loop(np.array(points), np.zeros(len(points)))
+
+
 def spool_boundary(shape: SpoolShape) -> Boundary:
     """Exact boundary of two discs on a core; see `SpoolShape.geometry`."""
     t, inner = shape.thickness, (shape.z0 + shape.thickness, shape.z1 - shape.thickness)
-    if not (0.0 < shape.core < shape.radius and t > 0.0 and inner[0] < inner[1]):
+    half = 0.5 * shape.width
+    if not (0.0 < shape.core < half < shape.length and t > 0.0 and inner[0] < inner[1]):
         raise DetailError(
-            f"discs of radius {shape.radius:.6g} mm, {t:.6g} mm thick, from z = {shape.z0:.6g} to "
-            f"{shape.z1:.6g} mm on a core of radius {shape.core:.6g} mm are no node"
+            f"discs of strips {shape.length:.6g} mm long and {shape.width:.6g} mm wide, {t:.6g} mm "
+            f"thick, from z = {shape.z0:.6g} to {shape.z1:.6g} mm on a core of radius "
+            f"{shape.core:.6g} mm are no node"
         )
-    places = [
-        (step * math.cos(azimuth), step * math.sin(azimuth))
-        for azimuth in shape.azimuths
-        for step in shape.steps
-    ]
+    narrow = min(gaps(shape.azimuths))
+    if half >= shape.length * math.tan(0.5 * narrow):
+        raise DetailError(
+            f"the strips of two arms at {math.degrees(narrow):.1f} deg, {shape.width:.6g} mm wide, "
+            f"are one up to their ends at {shape.length:.6g} mm"
+        )
+    places = shape._places()
     radius = 0.5 * shape.diameter
     for k, place in enumerate(places):
         far = math.hypot(*place)
-        room = min(shape.radius - far, far - shape.core)
+        room = min(shape.length - far, far - shape.core, half)
         if room <= radius:
             raise DetailError(
                 f"hole {k} of {shape.diameter:.6g} mm is {room:.6g} mm from the edge of its disc "
@@ -157,14 +216,14 @@ def spool_boundary(shape: SpoolShape) -> Boundary:
                 )
     builder = BoundaryBuilder()
     levels = ((shape.z0, inner[0]), (inner[1], shape.z1))
-    core, rims = _circle(shape.core), []
+    core, outline, rims = _circle(shape.core), segments(_outline(shape)), []
     foot, head = walls(
         builder, _frame, core, End(inner[0], 0.0, None, -1.0), End(inner[1], 0.0, None, 1.0), {}
     )
     through: list[tuple[list[Coedges], list[Coedges]]] = []
     for low, high in levels:
         start, end = End(low, 0.0, None, -1.0), End(high, 0.0, None, 1.0)
-        rims.append(walls(builder, _frame, _circle(shape.radius), start, end, {}))
+        rims.append(walls(builder, _frame, outline, start, end, {}))
         pairs = [
             builder.round_hole((x, y, low), (x, y, high), (1.0, 0.0, 0.0), radius)
             for x, y in places

@@ -165,7 +165,8 @@ def gaps(azimuths: Sequence[float]) -> list[float]:
     return [b - a for a, b in pairwise(closed)]
 
 
-def _at(azimuth: float, along: float, across: float) -> tuple[float, float]:
+def at(azimuth: float, along: float, across: float) -> tuple[float, float]:
+    """Point at distances along an azimuth [rad] from the axis, and across, counterclockwise."""
     c, s = math.cos(azimuth), math.sin(azimuth)
     return (along * c - across * s, along * s + across * c)
 
@@ -177,15 +178,15 @@ def _outline(shape: StarShape) -> tuple[Loop, list[int], list[int]]:
     right, left = [], []
     for azimuth, gap in zip(shape.azimuths, gaps(shape.azimuths), strict=True):
         right.append(len(points) - 1)
-        points.append(_at(azimuth, length, -half))
+        points.append(at(azimuth, length, -half))
         left.append(len(points) + 0)
-        points.append(_at(azimuth, length, half))
+        points.append(at(azimuth, length, half))
         if gap < math.pi - STRAIGHT:
-            points.append(_at(azimuth, half / math.tan(gap / 2.0), half))
+            points.append(at(azimuth, half / math.tan(gap / 2.0), half))
         elif gap > math.pi + STRAIGHT:
-            points += [_at(azimuth, 0.0, half), _at(azimuth + gap, 0.0, -half)]
+            points += [at(azimuth, 0.0, half), at(azimuth + gap, 0.0, -half)]
         else:  # one line, but two sides: a hole is in that of its plate
-            points.append(_at(azimuth, 0.0, half))
+            points.append(at(azimuth, 0.0, half))
     right[0] = len(points) - 1
     return Loop(np.array(points), np.zeros(len(points))), right, left
 
@@ -228,7 +229,7 @@ def star_boundary(shape: StarShape) -> Boundary:
             if other.arm == hole.arm and apart <= shape.diameter:
                 raise DetailError(f"holes of plate {hole.arm} overlap: {apart:.6g} mm apart")
         azimuth = shape.azimuths[hole.arm]
-        near, far = ((*_at(azimuth, hole.distance, side), hole.z) for side in (-half, half))
+        near, far = ((*at(azimuth, hole.distance, side), hole.z) for side in (-half, half))
         up: Vec = (0.0, 0.0, 1.0)
         first, last = builder.round_hole(near, far, up, radius)
         side_holes.setdefault((0, right[hole.arm]), []).append(first)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -29,11 +29,24 @@ class Plate:
     loops : of the larger face, or of both where they are the same: the outer one counterclockwise,
         holes clockwise, seen from outside onto the face that is named last
     other : of the other face where its outline is another one (bevelled sides)
+    count : how many of them the part is made of
+    rest : volume [mm3] of the part that is not theirs
     """
 
     thickness: float
     loops: tuple[Loop, ...]
     other: tuple[Loop, ...] = ()
+    count: int = 1
+    rest: float = 0.0
+
+
+@runtime_checkable
+class OfPlates(Protocol):
+    """A shape that is made of equal plates, and more."""
+
+    def plate(self) -> Plate:
+        """One of its plates."""
+        ...
 
 
 def plate(boundary: Boundary, *, bevelled: bool = False) -> Plate | None:

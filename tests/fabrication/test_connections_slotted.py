@@ -22,6 +22,7 @@ from fabrication.job.run import make
 from fabrication.parts.beam import BeamShape, CombEnd, EndCut
 from fabrication.parts.spool import SpoolShape
 from fabrication.solids import realise
+from fabrication.solids.section import section_area
 from fabrication.standards.fasteners import fastener
 
 SLOTTED = {"kind": "slotted"}
@@ -73,7 +74,7 @@ def test_bolts_go_through_bar_and_discs(name: str, eccentricity: float) -> None:
         found = [w - comb.offset for w in (low0, low1, high0, high1)]
         t = shape.thickness
         assert found == pytest.approx([-half - gap, -half + t + gap, half - t - gap, half + gap])
-        assert comb.depth >= shape.radius - shell.size.cut + 2.0 - 1e-9
+        assert comb.depth >= shape.length - shell.size.cut + 2.0 - 1e-9
     assert len(used) == len(shell.bolts)
 
 
@@ -92,7 +93,10 @@ def test_distances(size: str) -> None:
     assert second - first >= max(5.0 * m.diameter, comb.recess + m.diameter)
     assert first >= max(7.0 * m.diameter, 80.0)
     assert 3.0 * m.diameter <= 60.0
-    assert shell.nodes[0].shape.radius - shell.nodes[0].shape.steps[-1] >= 1.2 * m.hole
+    for node in shell.nodes:  # holes of the discs, from their edges
+        spool = node.shape
+        assert min(spool.length - spool.steps[-1], 0.5 * spool.width) >= 1.2 * m.hole
+        assert spool.width <= 120.0 - 2 * 5.0  # behind the sides of the bars
     outer = comb.slots[0][0] - comb.floors[0]
     middle = comb.slots[1][0] - comb.slots[0][1]
     assert min(outer, 0.5 * middle) >= 1.5 * m.diameter
@@ -203,21 +207,64 @@ def test_combs_that_meet_are_an_error() -> None:
         bar(replace(COMB, depth=460.0), replace(COMB, depth=460.0), 0.0).geometry()
 
 
-SPOOL = SpoolShape(200.0, 10.0, 40.0, -45.0, 35.0, (0.0, 1.9, 4.0), (120.0, 170.0), 13.5)
+SPOOL = SpoolShape(200.0, 100.0, 10.0, 40.0, -45.0, 35.0, (0.0, 1.9, 4.0), (120.0, 170.0), 13.5)
+AROUND = {
+    "three": (0.0, 1.9, 4.0),
+    "straight": (0.0, math.pi),
+    "edge": (0.0, 0.5 * math.pi, math.pi),
+    "corner": (0.0, 0.5 * math.pi),
+    "sharp corner": (0.0, 0.9),
+    "outwards": (0.0, 1.2, 2.4),
+    "six": tuple(k * math.pi / 3.0 for k in range(6)),
+}
+
+
+@pytest.mark.parametrize("name", AROUND)
+def test_discs_reach_into_the_arms_only(name: str) -> None:
+    """Volume two ways, and every corner of the outline on a strip or in the middle."""
+    shape = replace(SPOOL, azimuths=AROUND[name])
+    made = realise(shape, 0.01, solid=False)
+    assert made.boundary is not None
+    made.boundary.validate()
+    assert made.genus == 4 * len(shape.azimuths)
+    assert made.properties.volume == pytest.approx(shape.second_volume(), rel=1e-12)
+    outline, *holes = shape.plate().loops
+    assert len(holes) == 2 * len(shape.azimuths)
+    for x, y in outline.points:
+        away = [
+            (x * math.cos(a) + y * math.sin(a), abs(y * math.cos(a) - x * math.sin(a)))
+            for a in shape.azimuths
+        ]
+        assert min(y for x, y in away if -50.1 < x < 200.1) < 50.0 + 1e-9
+        assert math.hypot(x, y) >= 50.0 - 1e-9  # the core is within
+
+
+def test_discs_turn_with_their_arms() -> None:
+    """The closed form against a picture of the union of strips and the corner behind the axis."""
+    shape = replace(SPOOL, azimuths=AROUND["outwards"])
+    step = 0.5
+    grid = np.arange(-205.0, 205.0, step) + 0.25
+    x, y = np.meshgrid(grid, grid)
+    inside = np.zeros_like(x, dtype=bool)
+    for a in shape.azimuths:
+        along, across = x * math.cos(a) + y * math.sin(a), y * math.cos(a) - x * math.sin(a)
+        inside |= (along >= 0.0) & (along <= 200.0) & (abs(across) <= 50.0)
+    area = step**2 * inside.sum()  # without the corner beyond a half turn
+    gap = 2.0 * math.pi - 2.4
+    beyond = 50.0**2 * (math.tan(0.5 * (gap - math.pi)))  # the corner between two strips' sides
+    loops = shape.plate().loops
+    assert section_area([loops[0]]) == pytest.approx(area + beyond, rel=1e-3)
 
 
 def test_spools_are_exact_and_their_errors_named() -> None:
-    made = realise(SPOOL, 0.01, solid=False)
-    assert made.boundary is not None
-    made.boundary.validate()
-    assert made.genus == 12
-    assert made.properties.volume == pytest.approx(SPOOL.second_volume(), rel=1e-12)
     for change, words in (
         ({"steps": (120.0, 195.0)}, "5 mm from the edge"),
         ({"steps": (45.0, 170.0)}, "or the core"),
-        ({"azimuths": (0.0, 0.05, 3.0)}, "overlap"),
+        ({"steps": (120.0, 125.0)}, "overlap"),
+        ({"azimuths": (0.0, 0.4, 3.0)}, "two arms at 22.9 deg"),
         ({"z1": -25.0}, "are no node"),
-        ({"core": 200.0}, "are no node"),
+        ({"core": 50.0}, "are no node"),
+        ({"width": 12.0, "core": 4.0}, "6 mm from the edge"),
     ):
         with pytest.raises(DetailError, match=words):
             replace(SPOOL, **change).geometry()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,9 @@ from fabrication.formats.report import inspect_file
 from fabrication.gridshell.design import design
 from fabrication.parts.beam import BeamShape, CrossHole, EndCut
 from fabrication.parts.fastener import FASTENER, FastenerShape
+from fabrication.parts.node import ReferenceMark
 from fabrication.parts.panel import PanelShape
+from fabrication.parts.spool import SPOOL, SpoolShape
 from fabrication.solids import realise
 from fabrication.specs import Family, Kind, Shape
 from fabrication.standards.profiles import profile
@@ -121,6 +124,26 @@ def test_a_bevelled_pane_shows_both_faces(tmp_path: Path) -> None:
     assert area(detail) == pytest.approx(area(CORNERS) * 0.98**2, rel=1e-9)
     gap = np.linalg.norm(cut[:4].mean(axis=0) - detail[:4].mean(axis=0))
     assert gap < 1e-6  # both lie over each other
+
+
+def test_a_disc_of_a_node_is_its_strips_and_holes(tmp_path: Path) -> None:
+    """Cut twice; the file is compared with the volume of the node, less its core."""
+    spool = SpoolShape(
+        200.0, 100.0, 10.0, 40.0, -45.0, 35.0, (0.0, 1.9, 4.0), (120.0, 170.0), 13.5,
+        ReferenceMark(20.0, 3.0, 1.0),
+    )  # fmt: skip
+    made = part(spool, SPOOL)
+    path = written(made, tmp_path)
+    assert all(check.passed for check in FORMAT.check_part(path, made))
+    _, outlines = drawn(path)
+    outer, *holes = outlines["CUT"]
+    assert len(holes) == 6
+    assert {round(float(np.hypot(*hole[:-1].mean(axis=0))), 3) for hole in holes} == {120.0, 170.0}
+    core = math.pi * 40.0**2 * 60.0 - math.pi * 1.5**2
+    net = area(outer) - 6 * math.pi * 6.75**2
+    assert 20.0 * net + core == pytest.approx(made.properties.volume, rel=1e-9)
+    thinner = part(replace(spool, width=90.0), SPOOL)
+    assert not all(check.passed for check in FORMAT.check_part(path, thinner))
 
 
 def test_only_plates_have_a_file() -> None:

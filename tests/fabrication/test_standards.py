@@ -182,6 +182,20 @@ def test_every_family_has_stock_lengths_with_a_source() -> None:
     assert stock_lengths(polygon([[-10, 0], [10, 0], [0, 10]])) is None
 
 
+@pytest.mark.parametrize(
+    ("size", "spacing", "end", "edge"),
+    [("M8", 40, 80, 24), ("M12", 60, 84, 36), ("M16", 80, 112, 48), ("M20", 100, 140, 60)],
+)
+def test_bolts_in_timber(size: str, spacing: float, end: float, edge: float) -> None:
+    """EN 1995-1-1, table 8.4 along the grain, as handbooks tabulate it: a1, a3,t and a4,c."""
+    needs = fastener(size).in_timber
+    assert (needs.spacing, needs.end, needs.edge) == (spacing, end, edge)
+    inside, outside, thickness = fastener(size).wide
+    assert fastener(size).diameter < inside <= fastener(size).hole < outside
+    assert outside >= needs.washer[0]
+    assert thickness >= needs.washer[1]
+
+
 def test_bolts_nodes_and_materials() -> None:
     assert (fastener("M12").diameter, fastener("M12").hole) == (12.0, 13.5)  # ISO 273, medium
     with pytest.raises(ProjectError, match="M12"):

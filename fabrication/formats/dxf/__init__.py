@@ -16,7 +16,7 @@ from fabrication.formats.dxf.read import Polyline, read_dxf
 from fabrication.formats.dxf.write import CUT, DETAIL, dxf_text
 from fabrication.formats.report import FileReport
 from fabrication.solids import boundary_of
-from fabrication.solids.plate import Plate, plate
+from fabrication.solids.plate import OfPlates, Plate, plate
 from fabrication.solids.section import section_area
 from fabrication.specs import Check, Family, Loop
 
@@ -66,7 +66,8 @@ class Dxf(Format):
             checks.append(Check("dxf corners_mm", away <= limit, away, limit))
         if not flat.other:
             area = section_area([one.loop for one in drawn if one.layer == CUT])
-            found, volume = area * flat.thickness, part.properties.volume
+            found = area * flat.thickness * flat.count + flat.rest
+            volume = part.properties.volume
             off = abs(found - volume) / volume
             checks.append(Check("dxf volume", off <= PLACED, off, PLACED))
         return checks
@@ -101,7 +102,9 @@ def _away(have: Polyline, layer: str, loop: Loop) -> float:
 
 def _plate_of(family: Family) -> Plate | None:
     """The plate that a part number is, found once."""
-    if family not in _plates:
+    if family not in _plates and isinstance(family.shape, OfPlates):
+        _plates[family] = family.shape.plate()
+    elif family not in _plates:
         boundary = None
         if family.kind.ifc != "IfcMechanicalFastener":  # bought, not cut
             with suppress(DdgError):  # an impossible shape is named where it is made

@@ -64,6 +64,8 @@ LEGEND: Final = Legend(
         "hole_{k}_across_mm": "from the holes on one side of the arm to those on the other",
         "hole_{k}_along_mm": "from the lowest holes to the highest",
         "disc_mm": "thickness of both discs of the node",
+        "disc_length_mm": "from the axis to the ends of the strips of the discs",
+        "disc_width_mm": "width of the strips of the discs, one along each arm",
         "core_diameter_mm": "diameter of the core between the discs",
         "disc_hole_mm": "diameter of the holes in both discs",
         "disc_holes_{k}_mm": "from the axis to the holes of arm {k}, alike in both discs",

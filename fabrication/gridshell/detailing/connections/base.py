@@ -89,11 +89,13 @@ class Discs:
     """Discs of nodes in slots across beams [mm]; distances along an arm begin at the beam's cut.
 
     thickness : of each disc
+    width : of the strip of a disc that lies in an arm
     length : where the discs end
     steps, hole : of the holes, and their diameter
     """
 
     thickness: float
+    width: float
     length: float
     steps: tuple[float, ...]
     hole: float

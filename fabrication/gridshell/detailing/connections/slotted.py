@@ -54,6 +54,9 @@ SOCKET: Final = 1.6
 SHALLOW: Final = 1.0
 """Least depth of the recess of a nut [mm]; that of a head takes head and washer."""
 
+HIDDEN: Final = 5.0
+"""The discs end so far [mm] behind the sides of the bars."""
+
 SLOT_GAP: Final = 2.0
 """From the rim of a disc to the bottom of its slot [mm], or the clearance where that is more."""
 
@@ -95,7 +98,8 @@ class Slotted(Connection):
     def discs(self, profile: Profile) -> Discs:
         """The discs that nodes must have."""
         rim = self.steps[-1] + max(self.size.edge, 1.25 * self.size.end)
-        return Discs(self.plate, STEP * math.ceil(rim / STEP), self.steps, self.size.hole)
+        width = max(profile.width - 2.0 * HIDDEN, 2.0 * self.size.edge)
+        return Discs(self.plate, width, STEP * math.ceil(rim / STEP), self.steps, self.size.hole)
 
     def check(self, joints: Joints) -> None:
         """Look at profile, end cuts and the kind of nodes.

@@ -20,6 +20,9 @@ from fabrication.specs import Kind
 CORE: Final = 0.6
 """Radius of the core, in distances of the beams' cuts from the axis."""
 
+LAND: Final = 0.8
+"""Greatest radius of the core, in half widths of the discs: room for a weld."""
+
 LEAST_CUT: Final = 25.0
 """The beams' cuts are so far [mm] from the axis, or farther."""
 
@@ -53,8 +56,8 @@ class Plates(NodeSize):
         seat = max(float(np.sqrt(needs[worst] ** 2 - 0.25 * joints.width**2)), LEAST_CUT)
         cut = float(np.ceil(seat + project.beam.clearance_mm - SLACK))
         return cls(
-            cut + discs.length, cut, cut, joints.width, float(needs[worst]),
-            int(arms.node[worst]), discs,
+            float(np.hypot(cut + discs.length, 0.5 * discs.width)), cut, cut, joints.width,
+            float(needs[worst]), int(arms.node[worst]), discs,
         )  # fmt: skip
 
     def ends(self, joints: Joints, bottom: Floats, top: Floats) -> tuple[Floats, Floats]:
@@ -79,12 +82,13 @@ class Plates(NodeSize):
         assert levels is not None
         arms, t = joints.arms, self.discs.thickness
         azimuths, starts = arms.azimuth.tolist(), arms.start.tolist()
-        core, reach = CORE * self.cut, 0.5 * (comb.spacing + t)
+        core, reach = min(CORE * self.cut, LAND * 0.5 * self.discs.width), 0.5 * (comb.spacing + t)
         mark = ReferenceMark(0.5 * core, min(MARK[0], 0.4 * core), min(MARK[1], 0.5 * t))
         steps = tuple(self.cut + step for step in self.discs.steps)
         return [
             SpoolShape(
-                self.radius,
+                self.cut + self.discs.length,
+                self.discs.width,
                 t,
                 core,
                 float(levels[v]) - reach,
