@@ -24,6 +24,7 @@ INSIDE_FUNCTIONS_ONLY = {
     "lib3mf",
     "plotly",
     "rectpack",
+    "reportlab",
     "rhino3dm",
 }
 # A room (module or folder) of ddgfab may import itself and the rooms before it.
@@ -65,6 +66,7 @@ ROOMS = [
     "progress",
     "standards",
     "solids",
+    "drawings",
     "parts",
     "families",
     "checks",

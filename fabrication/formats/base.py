@@ -106,10 +106,11 @@ class Provenance:
 
 @dataclass(frozen=True)
 class Material:
-    """A material: its name and density [kg/m3]."""
+    """A material: its name and density [kg/m3], and the tolerances that parts of it have."""
 
     name: str
     density: float
+    tolerance: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,6 +210,24 @@ class Whole:
         return (piece for piece in self.standing() if piece[1] not in self.failed)
 
 
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """What a structure has, before it is made.
+
+    Attributes
+    ----------
+    about : project and options
+    families : all part numbers
+    tables : names of the schedules
+    plates : number of print plates
+    """
+
+    about: Provenance
+    families: Sequence[Family]
+    tables: Sequence[str]
+    plates: int
+
+
 class Format:
     """A file format. One that writes parts has a file a part number in parts/NAME/.
 
@@ -252,14 +271,8 @@ class Format:
         """Read the file of one part number back and compare it with the part."""
         return []
 
-    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
-        """Paths below the output folder of the files that `write_whole` writes.
-
-        Parameters
-        ----------
-        tables : names of the schedules
-        plates : number of print plates
-        """
+    def whole_files(self, contents: Contents) -> list[str]:
+        """Paths below the output folder of the files that `write_whole` writes."""
         return []
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:

@@ -11,7 +11,7 @@ from typing import Final
 
 from ddgfab.errors import InputError, clipped
 from ddgfab.io.atomic import atomic_write
-from fabrication.formats.base import Format, Whole
+from fabrication.formats.base import Contents, Format, Whole
 from fabrication.formats.report import FileReport
 from fabrication.formats.tables import (
     SCHEDULES,
@@ -35,9 +35,9 @@ class Csv(Format):
     suffixes = (".csv",)
     by_default = "always"
 
-    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+    def whole_files(self, contents: Contents) -> list[str]:
         """A file a schedule, and their legend."""
-        return [*(f"{SCHEDULES}/{name}.csv" for name in tables), COLUMNS]
+        return [*(f"{SCHEDULES}/{name}.csv" for name in contents.tables), COLUMNS]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """See `csv_text`."""

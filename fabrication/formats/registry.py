@@ -17,6 +17,7 @@ MODULES: Final = {
     "glb": "fabrication.formats.glb",
     "ifc": "fabrication.formats.ifc",
     "dxf": "fabrication.formats.dxf",
+    "sheets": "fabrication.formats.sheets",
     "csv": "fabrication.formats.csv",
     "xlsx": "fabrication.formats.xlsx",
 }

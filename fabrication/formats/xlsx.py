@@ -13,7 +13,7 @@ from typing import ClassVar, Final
 from ddgfab.errors import OutputError, clipped
 from ddgfab.io.atomic import atomic_write
 from fabrication.formats.archive import UNREADABLE
-from fabrication.formats.base import Format, Title, Whole
+from fabrication.formats.base import Contents, Format, Title, Whole
 from fabrication.formats.cover import add_columns, add_cover
 from fabrication.formats.dates import epoch_time
 from fabrication.formats.tables import SCHEDULES, Legend, Row, columns_of
@@ -47,7 +47,7 @@ class Xlsx(Format):
     libraries = ("xlsxwriter",)
     options: ClassVar[Mapping[str, tuple[str, ...]]] = {"paper": tuple(PAPERS)}
 
-    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+    def whole_files(self, contents: Contents) -> list[str]:
         """The workbook."""
         return [WORKBOOK]
 

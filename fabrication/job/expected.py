@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from ddgfab.errors import OutputError
-from fabrication.formats.base import Format
+from fabrication.formats.base import Contents, Format
 from fabrication.job.part import PARTS, Shop
 from fabrication.job.problems import REJECTED
 from fabrication.job.product import Product
@@ -46,10 +46,11 @@ def whole_files(
     """
     left_out = set(without)
     tables = tuple(product.schedules({family.number: 0.0 for family in product.families}))
+    contents = Contents(product.about(), product.families, tables, len(product.plates))
     found = []
     for format in formats:
         if format.name not in left_out:
-            found += format.whole_files(tables, len(product.plates))
+            found += format.whole_files(contents)
     if PREVIEW not in left_out:
         found.append(PREVIEW)
     return found if "extra" in left_out else [*found, *product.extra_files()]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats
-from fabrication.formats.base import Format, Whole
+from fabrication.formats.base import Contents, Format, Whole
 from fabrication.linkage.page import MovingScene
 from fabrication.pictures.preview import ADVICE, camera
 from fabrication.specs import Check
@@ -49,7 +49,7 @@ class Gif(Format):
     def __init__(self, scene: MovingScene) -> None:
         self.scene = scene
 
-    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+    def whole_files(self, contents: Contents) -> list[str]:
         """motion.gif."""
         return [ANIMATION]
 

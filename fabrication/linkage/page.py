@@ -17,7 +17,7 @@ import numpy as np
 from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats
-from fabrication.formats.base import Format, Whole
+from fabrication.formats.base import Contents, Format, Whole
 from fabrication.formats.tables import decimals
 from fabrication.specs import Check, TriangleMesh
 from fabrication.table import Table
@@ -111,7 +111,7 @@ class Html(Format):
     ) -> None:
         self.scene, self.page = scene, page
 
-    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+    def whole_files(self, contents: Contents) -> list[str]:
         """report.html."""
         return [REPORT]
 

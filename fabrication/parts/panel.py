@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from fabrication.solids.builder import (
 from fabrication.solids.polygon import area, least_rectangle, side_vectors, turns
 from fabrication.specs import Kind
 from fabrication.variants import Variants, key_of
+
+if TYPE_CHECKING:
+    from fabrication.drawings.views import Drawing
 
 PANEL: Final = Kind(
     role="panel",
@@ -95,6 +98,12 @@ class PanelShape:
         for k, (length, angle) in enumerate(zip(lengths, angles, strict=True), 1):
             found[f"edge_{k}_mm"], found[f"angle_{k}_deg"] = length, angle
         return found
+
+    def drawing(self) -> Drawing:
+        """Seen from outside, side 1 at the bottom."""
+        from fabrication.parts.panel_drawing import panel_drawing
+
+        return panel_drawing(self)
 
 
 def panel_variants(shapes: Sequence[PanelShape]) -> Variants:

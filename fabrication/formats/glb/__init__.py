@@ -14,7 +14,7 @@ import numpy as np
 from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
 from ddgfab.mesh import Floats
-from fabrication.formats.base import FAILED, FAILED_COLOR, Format, Whole
+from fabrication.formats.base import FAILED, FAILED_COLOR, Contents, Format, Whole
 from fabrication.formats.glb.read import read_glb
 from fabrication.formats.solids import SolidsReport, mesh_report
 from fabrication.specs import Check, Color, Family, Finish, Kind, Placement, TriangleMesh
@@ -39,7 +39,7 @@ class Glb(Format):
     suffixes = (".glb",)
     by_default = "always"
 
-    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+    def whole_files(self, contents: Contents) -> list[str]:
         """model.glb."""
         return [MODEL]
 

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import InputError, clipped
-from fabrication.formats.base import Format, Whole
+from fabrication.formats.base import Contents, Format, Whole
 from fabrication.formats.ifc.model import model_bytes
 from fabrication.formats.ifc.read import Element, Model
 from fabrication.formats.report import FileReport
@@ -38,7 +38,7 @@ class Ifc(Format):
     name = "ifc"
     suffixes = (".ifc",)
 
-    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+    def whole_files(self, contents: Contents) -> list[str]:
         """model.ifc."""
         return [MODEL]
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final, cast, get_args
 
 from ddgfab.errors import InputError
 from fabrication.checks.solid import check_solid
-from fabrication.formats.base import Format, Header, Part, Provenance, Whole
+from fabrication.formats.base import Contents, Format, Header, Part, Provenance, Whole
 from fabrication.formats.solids import SolidsReport
 from fabrication.formats.step.apart import apart
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
@@ -47,7 +46,7 @@ class StepFormat(Format):
         except InputError as error:
             return [Check("file readable", False, str(error))]
 
-    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+    def whole_files(self, contents: Contents) -> list[str]:
         """assembly.step."""
         return [ASSEMBLY]
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from fabrication.formats.base import Format, Part, Provenance, Standing, Whole
+from fabrication.formats.base import Contents, Format, Part, Provenance, Standing, Whole
 from fabrication.formats.solids import SolidsReport, mesh_report
 from fabrication.formats.threemf.read import Content3MF, check_threemf, read_threemf
 from fabrication.formats.threemf.write import Body3MF, Item3MF, threemf_bytes, write_threemf
@@ -55,9 +55,9 @@ class ThreeMF(Format):
         """Read back and compared; see `check_threemf`."""
         return check_threemf(path, [(part.number, part.mesh, 1)])
 
-    def whole_files(self, tables: Sequence[str], plates: int) -> list[str]:
+    def whole_files(self, contents: Contents) -> list[str]:
         """The print plates."""
-        return [plate_file(place) for place in range(1, plates + 1)]
+        return [plate_file(place) for place in range(1, contents.plates + 1)]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
         """The print plates: an object a part number, an item a piece."""
