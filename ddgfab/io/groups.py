@@ -30,6 +30,7 @@ class Groups:
     names : names of each set
     points, point_set : (m,) vertex ids, and the set of each
     edges, edge_set : (n, 2), (n,) the same of edges
+    edge_face : (n,) which face of the file each edge goes round, counted from 0; -1 for lines
     """
 
     names: tuple[tuple[str, ...], ...] = ()
@@ -37,6 +38,7 @@ class Groups:
     point_set: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     edges: Ints = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
     edge_set: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    edge_face: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @staticmethod
     def of(
@@ -57,6 +59,7 @@ class Groups:
             np.repeat(at, [len(p) for p in points]),
             np.concatenate([empty.reshape(0, 2), *edges]),
             np.repeat(at, [len(e) for e in edges]),
+            np.full(sum(len(e) for e in edges), -1),
         )
 
     def __bool__(self) -> bool:
@@ -97,7 +100,12 @@ class Groups:
         kept = points >= 0
         whole = (edges >= 0).all(axis=1) & (edges[:, 0] != edges[:, 1])
         return Groups(
-            self.names, points[kept], self.point_set[kept], edges[whole], self.edge_set[whole]
+            self.names,
+            points[kept],
+            self.point_set[kept],
+            edges[whole],
+            self.edge_set[whole],
+            self.edge_face[whole],
         )
 
     def onto(self, points: Floats, used: Ints, within: float) -> Groups:
@@ -131,6 +139,7 @@ class GroupRows:
         self._sets: dict[tuple[str, ...], int] = {}
         self._points, self._point_set = array("q"), array("q")
         self._edges, self._edge_set = array("q"), array("q")
+        self._edge_face, self._faces = array("q"), 0
 
     @property
     def named(self) -> bool:
@@ -157,6 +166,8 @@ class GroupRows:
         for pair in zip(ids, after, strict=False):
             self._edges.extend(pair)
             self._edge_set.append(number)
+            self._edge_face.append(self._faces if closed else -1)
+        self._faces += closed
         return True
 
     def groups(self, count: int) -> Groups:
@@ -167,6 +178,7 @@ class GroupRows:
             np.array(self._point_set, dtype=np.int64),
             np.array(self._edges, dtype=np.int64).reshape(-1, 2),
             np.array(self._edge_set, dtype=np.int64),
+            np.array(self._edge_face, dtype=np.int64),
         )
         points, edges = made.points < count, (made.edges < count).all(axis=1)
         return Groups(
@@ -175,4 +187,5 @@ class GroupRows:
             made.point_set[points],
             made.edges[edges],
             made.edge_set[edges],
+            made.edge_face[edges],
         )

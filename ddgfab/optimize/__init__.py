@@ -13,6 +13,7 @@ from ddgfab.optimize.forecast import doubtful, forecast_text
 from ddgfab.optimize.goal import Additions, NetGoal
 from ddgfab.optimize.goals import Goal, optimize
 from ddgfab.optimize.limits import Limits
+from ddgfab.optimize.pane_groups import kept_groups
 from ddgfab.optimize.path import Path, PathOptions, follow, settle
 from ddgfab.optimize.problem import Layout, Problem, Term, mean_edge
 from ddgfab.optimize.quality import Quality, folded_faces, roughness
@@ -50,6 +51,7 @@ __all__ = [
     "follow",
     "forecast_text",
     "interior_angles",
+    "kept_groups",
     "mean_edge",
     "optimize",
     "roughness",

@@ -7,6 +7,7 @@ to lie on an edge; what divides them lies on the curved surface that the vertex 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -169,7 +170,7 @@ def divided(mesh: Mesh, parts: Ints) -> Mesh:
     corners = mesh.corners.reshape(-1, _QUAD)
     if (parts < 1).any() or (parts[sides[:, :2]] != parts[sides[:, 2:]]).any():
         raise InputError("opposite edges of a quad have the same number of parts, 1 or more")
-    first = mesh.n_vertices + np.cumsum(parts - 1) - (parts - 1)  # of the points on each edge
+    first = _first_points(mesh, parts)
     total = mesh.n_vertices + int((parts - 1).sum())
     points = [mesh.vertices, np.zeros((total - mesh.n_vertices, 3))]
     faces: list[tuple[Ints, Ints]] = []
@@ -207,6 +208,26 @@ def divided(mesh: Mesh, parts: Ints) -> Mesh:
     )
 
 
+def divided_edges(mesh: Mesh, parts: Ints) -> list[list[int]]:
+    """The vertices along each edge of a mesh that `divided` divides, ends included."""
+    first, ends = _first_points(mesh, parts).tolist(), mesh.edges.tolist()
+    return [
+        [start, *range(begin, begin + count - 1), end]
+        for (start, end), begin, count in zip(ends, first, parts.tolist(), strict=True)
+    ]
+
+
+def pieces_of(mesh: Mesh, parts: Ints) -> Ints:
+    """(F,) into how many faces each quad is divided; these stand one after the other."""
+    sides = mesh.corner_edge.reshape(-1, _QUAD)
+    return np.asarray(parts[sides[:, 0]] * parts[sides[:, 1]])
+
+
+def _first_points(mesh: Mesh, parts: Ints) -> Ints:
+    """(E,) number of the first of the points that divide each edge."""
+    return np.asarray(mesh.n_vertices + np.cumsum(parts - 1) - (parts - 1))
+
+
 def _lifted(mesh: Mesh, corners: Ints, weights: Floats) -> Floats:
     """(f, w, 3) points of quads (f, 4) at bilinear weights (w, 4), lifted to the curved surface."""
     at, normals = mesh.vertices[corners], mesh.vertex_normals[corners]
@@ -223,8 +244,7 @@ def further(mesh: Mesh, parts: Ints, found: Mesh, limit: tuple[float, float]) ->
     found : the divided mesh after optimizing
     """
     sides = mesh.corner_edge.reshape(-1, _QUAD)
-    pieces = parts[sides[:, 0]] * parts[sides[:, 1]]
-    owner = np.repeat(np.arange(mesh.n_faces), pieces)
+    owner = np.repeat(np.arange(mesh.n_faces), pieces_of(mesh, parts))
     quads = np.unique(owner[misfit(found, limit) > 1 + FIT])
     lengths = mesh.edge_lengths[sides[quads, :2]] / parts[sides[quads, :2]]
     strip = strips(mesh)
@@ -254,15 +274,21 @@ def with_panes(
         try:
             result = run(start)
         except OptimizeError as error:
-            if left == 1 or not isinstance(error.result, OptimizeResult):
+            if not isinstance(error.result, OptimizeResult):
                 raise
-            result = error.result
+            error.result = result = _with_parts(error.result, parts)
             large = misfit(result.mesh, limit) > 1 + FIT
-            if not large.any() or (mesh.face_sizes != _QUAD).any():
+            if left == 1 or not large.any() or (mesh.face_sizes != _QUAD).any():
                 raise
         else:
+            result = _with_parts(result, parts)
             large = misfit(result.mesh, limit) > 1 + FIT
             if left == 1 or not large.any() or (mesh.face_sizes != _QUAD).any():
                 break
         parts = further(mesh, parts, result.mesh, limit)
     return result
+
+
+def _with_parts(result: OptimizeResult, parts: Ints) -> OptimizeResult:
+    """The result with how its edges were divided, if they were."""
+    return replace(result, parts=parts) if (parts > 1).any() else result

@@ -10,7 +10,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from ddgfab.measures import Report, inspect
-from ddgfab.mesh import Floats, Mesh
+from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.change import Change
 
 WORST: Final = 5
@@ -108,6 +108,7 @@ class OptimizeResult:
     advice : options to try next where the goal was missed, as (name, value)
     pane : lengths of the largest pane that was asked for; `original` is divided for it
     tried : what came of each limit that was tried, if there was more than one
+    parts : (E,) into how many parts the edges of the mesh that was given were divided; None: not
     """
 
     goal: str
@@ -123,6 +124,7 @@ class OptimizeResult:
     advice: tuple[tuple[str, object], ...] = ()
     pane: tuple[float, float] | None = None
     tried: tuple[Trial, ...] = ()
+    parts: Ints | None = None
 
     def __repr__(self) -> str:
         return (

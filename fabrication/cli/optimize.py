@@ -217,7 +217,7 @@ def _write(
     """Write mesh, report and picture; print what was reached."""
     from ddgfab.io import write_mesh
     from ddgfab.io.atomic import atomic_path
-    from ddgfab.optimize import TorsionFreeResult
+    from ddgfab.optimize import TorsionFreeResult, kept_groups
     from ddgfab.optimize.report import comparison, comparison_text
 
     record = {"file": start.read.file, "sha256": start.read.sha256, **comparison(result)}
@@ -227,8 +227,9 @@ def _write(
         if not as_json:
             run.say("\n".join(f"note: {note}" for note in notes))
     axes = result.axes if isinstance(result, TorsionFreeResult) else None
+    groups = kept_groups(start.read.groups, start.mesh, result) if start.traced is None else None
     moved = result.mesh.with_vertices(result.mesh.vertices + start.read.origin)
-    write_mesh(target, moved, units="mm", axes=axes)
+    write_mesh(target, moved, units="mm", axes=axes, groups=groups)
     if axes is not None:
         record["axes"] = axes.tolist()
     with atomic_path(target.with_suffix(".json")) as temporary:

@@ -15,7 +15,7 @@ from ddgfab.errors import InputError, clipped
 from ddgfab.forms.registry import kinds
 from ddgfab.measures import Report, inspect
 from ddgfab.mesh import Mesh
-from ddgfab.optimize import OptimizeResult, TorsionFreeResult
+from ddgfab.optimize import OptimizeResult, TorsionFreeResult, kept_groups
 from ddgfab.suggest import suggestion
 from ddgfab.support import SupportStructure
 from fabrication.families import families
@@ -207,7 +207,8 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
         found = optimized.axes if isinstance(optimized, TorsionFreeResult) else None
         off = (distance_note(net.surfaces, optimized.mesh),) if net.surfaces else ()
         notes = (*net.notes, *off, *more, *optimized.remarks)
-        net = replace(net, mesh=optimized.mesh, notes=notes, axes=found)
+        groups = kept_groups(net.groups, net.mesh, optimized)
+        net = replace(net, mesh=optimized.mesh, notes=notes, axes=found, groups=groups)
         stop("optimize")
     start("measure")
     measures = inspect(net.mesh)
