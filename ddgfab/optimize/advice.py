@@ -24,6 +24,8 @@ _CLOSEST: Final = 0.1
 """What to keep where "close" is too far from the surface: shorter waves crease as well."""
 _HELD: Final = 0.8
 """A mesh that moved by more than this part of the limit of movement is held back by it."""
+SOFTER: Final = "equal_weight"
+"""Name of the advice to wish less for equal pieces."""
 _CREASED_DEG: Final = 20.0
 """Changes of dihedral angles [deg] that people see."""
 
@@ -159,6 +161,7 @@ def advice_text(advice: tuple[tuple[str, object], ...]) -> str:
         "max_pane": "give a finer mesh, or allow larger panes",
         DIAGONALS: DIAGONALS_REASON,
         TRACE: TRACE_REASON,
+        SOFTER: "the goal is met without the wish for equal pieces; wish less for it",
         "max_lean": "let the node axes lean further",
         "max_movement": "let vertices move further",
         "distance_limit": "let the edges follow other directions, use a finer mesh, or allow it",

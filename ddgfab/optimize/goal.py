@@ -111,6 +111,7 @@ def net_problem(
     features: Ints | None = None,
     movement: float | None = None,
     extra: Sequence[Term] = (),
+    wishes: Sequence[Following] = (),
     rim: Mesh | None = None,
     weights: Weights | None = None,
 ) -> Problem:
@@ -120,7 +121,7 @@ def net_problem(
     ----------
     surface : to stay near to; the mesh itself by default
     movement : greatest of a vertex, in mean edges
-    extra : further soft terms on the vertices
+    extra, wishes : further soft terms on the vertices, and such that follow them
     rim : whose boundary that of the mesh stays near to; the mesh itself by default
     weights : of the energy; those for the mesh by default, see `weights_of`
     """
@@ -140,6 +141,6 @@ def net_problem(
     terms = (*soft, *extra, *additions.terms, *goal.equations(mesh, problem.layout))
     return replace(
         problem.with_terms(*terms),
-        following=(*following, *additions.following),
+        following=(*following, *additions.following, *wishes),
         barriers=tuple(bounds),
     )

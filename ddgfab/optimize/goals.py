@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any, Final, Literal, TypeAlias
-
-import numpy as np
 
 from ddgfab.arguments import checked
 from ddgfab.errors import InputError, OptimizeError
-from ddgfab.measures import dihedral_angles
 from ddgfab.mesh import Ints, Mesh
+from ddgfab.optimize.asked import Asked, features
 from ddgfab.optimize.diagonals import diagonal_net
 from ddgfab.optimize.energy import Keep
 from ddgfab.optimize.families_goal import families
 from ddgfab.optimize.goal import NetGoal
 from ddgfab.optimize.limits import Limits, named
 from ddgfab.optimize.net_goals import CIRCULAR, CONICAL, PLANAR
-from ddgfab.optimize.nets import Outcome, StageProgress, reach
-from ddgfab.optimize.panes import with_panes
-from ddgfab.optimize.result import OptimizeResult, Trial
+from ddgfab.optimize.nets import StageProgress
+from ddgfab.optimize.result import OptimizeResult
 from ddgfab.optimize.rim import Boundary
 from ddgfab.optimize.torsion_goal import torsion_free
+from ddgfab.optimize.wishes import EQUAL_WEIGHT, Wishes
 
 GOALS: Final[dict[str, Callable[..., Sequence[NetGoal]]]] = {
     "planar": lambda: [PLANAR],
@@ -60,6 +57,9 @@ def optimize(
     stretch_limit: float = Limits.stretch,
     max_pane: tuple[float, float] | None = None,
     diagonals: bool = False,
+    equal_edges: int = 0,
+    equal_panels: int = 0,
+    equal_weight: float = EQUAL_WEIGHT,
     throw: bool = True,
     progress: StageProgress | None = None,
     **options: Any,
@@ -100,6 +100,10 @@ def optimize(
         stay so; vertices keep their numbers, new ones follow.
     diagonals : optimize the net of the diagonals of the mesh (`diagonal_net`) instead, near the
         mesh and its boundary; vertices keep their numbers
+    equal_edges, equal_panels : number of lengths, or of shapes, that edges or panels are drawn to;
+        a soft wish, whose price in distance is found by a second run without it and told in the
+        `wishes` of the result. 0: none
+    equal_weight : of these wishes, against the distance from the surface, which has 1
     throw : raise when the goal is missed; otherwise the best mesh comes back with its status
     progress : called with the name of the stage, the number of the step and the step
     options : what "torsion-free" (``max_lean`` [rad], ``axes_only``) and "families" (``of``,
@@ -123,63 +127,54 @@ def optimize(
         surface = mesh if surface is None else surface
         rim = mesh if rim is None else rim
         mesh = diagonal_net(mesh)
-    allowed = Limits(
-        movement=max_movement,
-        rise=rise_limit,
-        zigzag=zigzag_limit,
-        stretch=stretch_limit,
-        pane=max_pane,
-    )
-    if distance_limit is not None:
-        mean, most = distance_limit
-        allowed = replace(allowed, distance_mean=mean, distance_max=most)
+    wishes = Wishes(equal_edges, equal_panels, equal_weight)
     if isinstance(goal, str) and goal in OTHER_GOALS:
-        if max_pane is not None:
-            raise InputError(f'max_pane is for goals {", ".join(GOALS)}, not for "{goal}"')
+        _refuse(goal, max_pane=max_pane is not None, equal_edges=bool(wishes))
         result = OTHER_GOALS[goal](
             mesh,
             keep=keep,
             fixed=fixed,
             boundary=boundary,
             surface=surface,
-            features=_features(mesh, feature_angle),
+            features=features(mesh, feature_angle),
             max_movement=max_movement,
             throw=throw,
             progress=progress,
             **options,
         )
         return _within(result, max_movement, throw)
-    goals = _goals(goal, options)
-
-    def run(one: Mesh, throw: bool = True) -> OptimizeResult:
-        found: list[tuple[NetGoal, Outcome]] = []
-        for wanted in goals:
-            outcome = reach(
-                one,
-                wanted,
-                flat_percent=flat,
-                keep=keep,
-                fixed=fixed,
-                boundary=boundary,
-                features=_features(one, feature_angle),
-                surface=surface,
-                rim=rim,
-                limits=allowed,
-                progress=progress,
-            )
-            found.append((wanted, outcome))
-            if not outcome.missed:
-                break
-        return _taken(found).taken(throw)
-
-    if max_pane is None:
-        return run(mesh, throw)
+    asked = Asked(
+        goals=_goals(goal, options),
+        flat=flat,
+        keep=keep,
+        fixed=fixed,
+        boundary=boundary,
+        surface=surface,
+        rim=rim,
+        feature_angle=feature_angle,
+        limits=Limits.given(
+            distance_limit,
+            movement=max_movement,
+            rise=rise_limit,
+            zigzag=zigzag_limit,
+            stretch=stretch_limit,
+            pane=max_pane,
+        ),
+        wishes=wishes,
+        progress=progress,
+    )
     try:
-        return with_panes(mesh, max_pane, run)
+        return asked.result(mesh)
     except OptimizeError as error:
         if throw or not isinstance(error.result, OptimizeResult):
             raise
         return error.result
+
+
+def _refuse(goal: str, **given: bool) -> None:
+    """Raise for options that a goal with a solver of its own does not have."""
+    for name in (name for name, there in given.items() if there):
+        raise InputError(f'{name} is for goals {", ".join(GOALS)}, not for "{goal}"')
 
 
 def _within(result: OptimizeResult, limit: float | None, throw: bool) -> OptimizeResult:
@@ -203,37 +198,3 @@ def _goals(goal: str | NetGoal, options: dict[str, Any]) -> Sequence[NetGoal]:
     if goal not in GOALS:
         raise InputError(f'goal "{goal}" is unknown; one of {", ".join((*GOALS, *OTHER_GOALS))}')
     return GOALS[goal](**options)
-
-
-def _taken(found: Sequence[tuple[NetGoal, Outcome]]) -> Outcome:
-    """The outcome of a goal tried with several limits: the last where it is met, else the best."""
-    goal, best = found[-1]
-    if best.missed:  # nothing was met: what misses least, the latest of equals
-        goal, best = min(reversed(found), key=lambda one: len(one[1].missed))
-    if len(found) == 1:
-        return best
-    trials = tuple(
-        Trial(
-            one.label or one.name,
-            not outcome.missed,
-            outcome.result.change.distance_mean,
-            outcome.result.change.distance_max,
-            outcome.result.own(),
-        )
-        for one, outcome in found
-    )
-    history = tuple(step for _, outcome in found for step in outcome.result.history)
-    remarks = best.result.remarks
-    if not best.missed:
-        passed = ", ".join(one.label for one, outcome in found if outcome.missed)
-        remarks = (f"{passed}: not within the limits; {goal.label} is", *remarks)
-    result = replace(best.result, history=history, tried=trials, remarks=remarks)
-    return Outcome(result, best.missed)
-
-
-def _features(mesh: Mesh, angle: float | None) -> Ints | None:
-    """Edges whose faces meet at a larger angle [rad]."""
-    if angle is None:
-        return None
-    sharp = np.abs(dihedral_angles(mesh)) > angle
-    return np.flatnonzero(sharp & ~mesh.boundary_edge)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -41,6 +41,13 @@ class Limits:
     zigzag: float = math.radians(6.0)
     stretch: float = 0.6
     pane: tuple[float, float] | None = None
+
+    @staticmethod
+    def given(distance: tuple[float, float] | None, **others: Any) -> Limits:
+        """Limits with the greatest distances, mean and greatest, where they are given."""
+        if distance is None:
+            return Limits(**others)
+        return Limits(distance_mean=distance[0], distance_max=distance[1], **others)
 
     def __post_init__(self) -> None:
         for name in ("distance_mean", "distance_max", "zigzag", "stretch"):

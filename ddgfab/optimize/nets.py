@@ -31,6 +31,7 @@ from ddgfab.optimize.problem import VERTICES, Problem, Term
 from ddgfab.optimize.result import Forecast, OptimizeResult, Price, Step
 from ddgfab.optimize.rim import Boundary, Constraints, impossible_faces
 from ddgfab.optimize.terms.nearness import NearSurface
+from ddgfab.optimize.wishes import Wishes
 
 StageProgress: TypeAlias = Callable[[str, int, Step], None]
 """Called with the name of the stage, the number of the step and the step."""
@@ -78,6 +79,7 @@ def reach(
     surface: Mesh | None = None,
     rim: Mesh | None = None,
     limits: Limits | None = None,
+    wishes: Wishes | None = None,
     options: PathOptions | None = None,
     progress: StageProgress | None = None,
 ) -> Outcome:
@@ -94,6 +96,7 @@ def reach(
     rim : whose boundary that of the mesh stays near to, as the rim of a surface that was traced;
         the mesh itself by default
     limits : what the result may cost; no vertex moves further than its limit of movement
+    wishes : repetition that is wished for besides; a mesh that meets the goal is moved for it
 
     Raises
     ------
@@ -115,11 +118,13 @@ def reach(
         None if surface is None else frame.inside(surface),
         None if rim is None else frame.inside(rim),
         limits or Limits(),
+        wishes or Wishes(),
         _tolerance(goal, flat_percent),
     )
     problem = task.problem()
     before = violation(problem, problem.start)
-    if before <= task.tolerance and not _crooked(goal, small):
+    there = before <= task.tolerance and not _crooked(goal, small)
+    if there and not task.wishes:
         return Outcome(task.result(problem, problem.start, mesh, surface))
     _refuse_impossible(goal.name, problem, task.constraints, boundary, 100 * task.tolerance)
     expected = _expected(problem, frame)
@@ -131,13 +136,13 @@ def reach(
         if progress is not None:
             progress(stage, number, step)
 
-    way = options or PathOptions()
+    way = options or PathOptions(even_if_met=bool(task.wishes))
     if options is None and task.nests(problem):
         begin = nested_start(small, task.coarse_problem, task.tolerance, record)
         if begin is not None:
-            there = begun(problem, begin - small.vertices)
-            if usable(there, before):
-                problem, way = there, NESTED
+            begins = begun(problem, begin - small.vertices)
+            if usable(begins, before):
+                problem, way = begins, NESTED
     chosen = replace(way, tolerance=max(_AIM * task.tolerance, EXACT))
     path = follow(problem, partial(violation, problem), chosen, record)
     found = frame.outside(small.vertices, problem.vertices(path.value))
@@ -173,6 +178,7 @@ class _Task:
     surface: Mesh | None
     rim: Mesh | None
     limits: Limits
+    wishes: Wishes
     tolerance: float
 
     def problem(self) -> Problem:
@@ -187,6 +193,7 @@ class _Task:
             features=self.features,
             rim=self.rim,
             extra=_soft_limits(self.mesh, self.frame, self.limits),
+            wishes=self.wishes.terms(self.mesh),
             movement=None if limit is None else limit / self.frame.unit,
         )
 
@@ -208,6 +215,7 @@ class _Task:
             surface=inner.inside(self.mesh if self.surface is None else self.surface),
             rim=inner.inside(self.mesh if self.rim is None else self.rim),
             movement=None if limit is None else limit / (self.frame.unit * inner.unit),
+            wishes=self.wishes.terms(one),
             weights=weights_of(self.mesh, self.goal, self.keep, self.constraints).coarser(
                 max(1.0, inner.unit)
             ),

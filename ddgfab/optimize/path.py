@@ -40,6 +40,9 @@ class PathOptions:
     on_the_way: bool = False
     """The start comes from elsewhere: it is walked from even where it meets the goal already, and
     stages end when the merit falls little."""
+    even_if_met: bool = False
+    """Soft terms ask for more than the start has, so the path is walked even where the start meets
+    the goal already."""
     max_steps: int = 120
     """Steps before giving up."""
     max_penalty: float = 1e13
@@ -229,7 +232,8 @@ def follow(
     walker = _Walker(problem, violation, chosen, progress)
     ends = [Waypoint(0.0, violation(walker.x), walker.x)]
     rho, status = chosen.first_penalty, "missed"
-    if ends[0].violation <= chosen.tolerance and not chosen.on_the_way:
+    walks = chosen.on_the_way or chosen.even_if_met
+    if ends[0].violation <= chosen.tolerance and not walks:
         return Path(walker.x, "converged", (), tuple(ends))
     coarse = max(chosen.tolerance, _COARSE)
     while rho <= chosen.max_penalty and len(walker.history) < chosen.max_steps:

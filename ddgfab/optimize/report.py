@@ -41,6 +41,7 @@ def comparison(result: OptimizeResult) -> dict[str, Any]:
         "forecast": None if result.forecast is None else asdict(result.forecast),
         **result.own(),
         "tried": [asdict(trial) for trial in result.tried],
+        "wishes": None if result.wishes is None else asdict(result.wishes),
         "remarks": list(result.remarks),
         "before": result.before.to_dict(),
         "after": result.after.to_dict(),
@@ -164,6 +165,33 @@ def comparison_text(result: OptimizeResult) -> str:
             f"{trial.limit}: {'met' if trial.met else 'missed'}, distance mean / greatest "
             f"{trial.distance_mean:.3g} / {trial.distance_max:.3g} {after.unit}"
         )
+    lines += _wish_lines(result)
     lines.append(f"{len(result.history)} steps, residual {result.residual:.2g}")
     lines += [f"note: {remark}" for remark in result.remarks]
     return "\n".join(lines)
+
+
+def _wish_lines(result: OptimizeResult) -> list[str]:
+    """What came of wishes for repetition, and what they cost."""
+    price, unit = result.wishes, result.after.unit
+    if price is None:
+        return []
+    lines = []
+    for one in price.repetitions:
+        what = f"{one.kinds} {'length' if one.of == 'edge' else 'shape'}"
+        now, was, plain = (
+            f"{100 * one.spread[k]:.2g} % ({100 * one.most[k]:.2g} %)" for k in (2, 0, 1)
+        )
+        lines.append(
+            f"equal {one.of}s, {what}{'' if one.kinds == 1 else 's'}: lengths differ from them by "
+            f"{now} of an edge, root mean square (greatest); before {was}, without the wish {plain}"
+        )
+    change = result.change
+    lines.append(
+        "price of the wish, distance mean / greatest: "
+        f"{price.distance_mean:.3g} / {price.distance_max:.3g} {unit} without, "
+        f"{change.distance_mean:.3g} / {change.distance_max:.3g} with it"
+        + ("" if price.met_without else "; without it the goal is missed too")
+        * (result.status == "missed")
+    )
+    return lines

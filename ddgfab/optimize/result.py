@@ -72,6 +72,39 @@ class Forecast:
     stretch: float
 
 
+@dataclass(frozen=True)
+class Repetition:
+    """How alike pieces are: before, in a result without the wish, in that with it.
+
+    Attributes
+    ----------
+    of : "edge" or "panel"
+    kinds : number of lengths or shapes that were wished for
+    spread, most : how far lengths are from those of their kind [mean edges]: root mean square, most
+    """
+
+    of: str
+    kinds: int
+    spread: tuple[float, ...]
+    most: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class WishPrice:
+    """What a result without the wishes is like, and what came of them.
+
+    Attributes
+    ----------
+    met_without : whether the goal is met within the limits without the wishes
+    distance_mean, distance_max : from the surface without them, both ways, in the unit of the mesh
+    """
+
+    met_without: bool
+    distance_mean: float
+    distance_max: float
+    repetitions: tuple[Repetition, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Trial:
     """One of the limits that a goal tries in turn, and what came of it.
@@ -109,6 +142,7 @@ class OptimizeResult:
     pane : lengths of the largest pane that was asked for; `original` is divided for it
     tried : what came of each limit that was tried, if there was more than one
     parts : (E,) into how many parts the edges of the mesh that was given were divided; None: not
+    wishes : what came of equal edges or panels, and what they cost; None: nothing was wished for
     """
 
     goal: str
@@ -125,6 +159,7 @@ class OptimizeResult:
     pane: tuple[float, float] | None = None
     tried: tuple[Trial, ...] = ()
     parts: Ints | None = None
+    wishes: WishPrice | None = None
 
     def __repr__(self) -> str:
         return (

@@ -71,6 +71,8 @@ _OPTIONS: Final = {
     "keep": "--keep",
     "max_movement_mm": "--max-movement",
     "feature_angle_deg": "--features",
+    "equal_edges": "--equal-edges",
+    "equal_panels": "--equal-panels",
 }
 """Options of the command for keys of [optimize]; the others are given by --set."""
 

@@ -72,6 +72,13 @@ Diagonals = Annotated[
     bool,
     typer.Option("--diagonals", help="Take the net of the faces' diagonals; edges become quads."),
 ]
+EqualEdges = Annotated[
+    int | None,
+    typer.Option(help="Wish for this number of lengths of edges; the report names its price."),
+]
+EqualPanels = Annotated[
+    int | None, typer.Option(help="Wish for this number of shapes of panels; likewise.")
+]
 Picture = Annotated[bool, typer.Option(help="Write OUTPUT.png: distance and creases.")]
 
 
@@ -90,6 +97,8 @@ def optimize_command(
     max_movement: MaxMovement = None,
     anew: Retrace = False,
     diagonals: Diagonals = False,
+    equal_edges: EqualEdges = None,
+    equal_panels: EqualPanels = None,
     change: Change = None,
     units: Units = None,
     scale: Scale = 1.0,
@@ -133,6 +142,8 @@ def optimize_command(
             feature_angle_deg=None if features is None else float(features),
             max_movement_mm=None if max_movement is None else float(max_movement),
             diagonals=True if diagonals else None,
+            equal_edges=equal_edges,
+            equal_panels=equal_panels,
         )
         given = {"goal": PLANAR, **sections.get("optimize", {})}
         if anew:  # the net follows the surface already

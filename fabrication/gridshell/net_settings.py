@@ -11,6 +11,7 @@ from pydantic import Field, field_validator, model_validator
 from ddgfab.forms.registry import kinds
 from ddgfab.io import Unit, Up, to_millimetres
 from ddgfab.optimize import Boundary, Goal, Keep
+from ddgfab.optimize.wishes import EQUAL_WEIGHT
 from ddgfab.suggest import suggestion
 from ddgfab.support import SupportKind
 from ddgfab.surfaces.analytic import SURFACES
@@ -178,6 +179,9 @@ OPTIMIZE_OPTIONS: Final[dict[str, tuple[str, ...]]] = {
     "stretch_limit_percent": _SHAPES,
     "max_pane_mm": _SHAPES,
     "diagonals": _SHAPES,
+    "equal_edges": _SHAPES,
+    "equal_panels": _SHAPES,
+    "equal_weight": _SHAPES,
     "axes_only": ("torsion-free",),
     "max_lean_deg": ("torsion-free",),
     "families_of": ("families",),
@@ -206,6 +210,9 @@ class OptimizeSettings(Section):
         greater part is an error
     diagonals : take the net of the diagonals of the faces, which may be planar near surfaces
         where the mesh cannot; edges become quads, edges of the boundary triangles
+    equal_edges, equal_panels : number of lengths that edges, or of shapes that panels, are drawn
+        to: a wish, whose price in distance the report names; 0: none
+    equal_weight : of these wishes, against the distance from the surface, which has 1
     max_pane_mm : lengths of the largest pane, [1500, 2500]: quads are divided until they fit
     fix : "none", "boundary", or ids of vertices that stay
     boundary : what boundary vertices may do: "free", "glide" along the boundary, "fixed"
@@ -224,6 +231,9 @@ class OptimizeSettings(Section):
     rise_limit_percent: Annotated[float, Field(ge=0, lt=100)] = 80.0
     max_pane_mm: Annotated[tuple[Positive, Positive], Field(strict=False)] | None = None
     diagonals: bool = False
+    equal_edges: Annotated[int, Field(ge=0)] = 0
+    equal_panels: Annotated[int, Field(ge=0)] = 0
+    equal_weight: Positive = EQUAL_WEIGHT
     zigzag_limit_deg: Annotated[float, Field(gt=0, le=180)] = 6.0
     stretch_limit_percent: Annotated[float, Field(gt=0, le=1000)] = 60.0
     fix: Literal["none", "boundary"] | VertexIds = "none"

@@ -53,6 +53,9 @@ def optimized_mesh(
         max_pane=settings.max_pane_mm,
         rim=rim,
         diagonals=settings.diagonals,
+        equal_edges=settings.equal_edges,
+        equal_panels=settings.equal_panels,
+        equal_weight=settings.equal_weight,
         **_own_options(settings),
         progress=lambda stage, number, step: report(f"optimize: {stage}", number, 0),
     )

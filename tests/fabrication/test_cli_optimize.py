@@ -250,3 +250,22 @@ def test_panes_no_larger_than_what_is_made(roof: Path, tmp_path: Path) -> None:
     job = design(tmp_path / "job.toml")
     assert misfit(job.mesh, (700.0, 1100.0)).max() <= 1 + 1e-9
     assert not job.gridshell.problems
+
+
+def test_wishes_for_equal_edges_tell_their_price(roof: Path, tmp_path: Path) -> None:
+    target = tmp_path / "flat.obj"
+    words = ("optimize", roof, "-o", target, "--no-picture", "--equal-edges")
+    code, said = run(*words, 1, "--set", "optimize.equal_weight=1")
+    assert code == 0, said
+    assert "price of the wish, distance mean / greatest:" in said
+    price = json.loads((tmp_path / "flat.json").read_text())["wishes"]
+    before, without, now = price["repetitions"][0]["spread"]
+    assert now < without
+    assert 0 < price["distance_mean"] < 100
+    for count in ("-1", "9999"):
+        code, said = run(*words, count)
+        assert code == 2
+        assert "equal_edges" in said
+    code, said = run("optimize", roof, "--goal", "families", "--equal-edges", "1")
+    assert code == 2
+    assert 'equal_edges is for goal = "planar"' in said
