@@ -259,7 +259,7 @@ def test_wishes_for_equal_edges_tell_their_price(roof: Path, tmp_path: Path) -> 
     assert code == 0, said
     assert "price of the wish, distance mean / greatest:" in said
     price = json.loads((tmp_path / "flat.json").read_text())["wishes"]
-    before, without, now = price["repetitions"][0]["spread"]
+    _, without, now = price["repetitions"][0]["spread"]
     assert now < without
     assert 0 < price["distance_mean"] < 100
     for count in ("-1", "9999"):
