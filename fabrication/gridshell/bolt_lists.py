@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.pieces import Beam, Bolt
 from fabrication.parts.beam import BEAM
-from fabrication.parts.fastener import FastenerShape
+from fabrication.parts.fastener import WIDE, FastenerShape
 from fabrication.specs import Family, Mate
 from fabrication.standards import mass_kg
-from fabrication.standards.fasteners import steel_density
+from fabrication.standards.fasteners import PropertyClass, property_class, steel_density
 from fabrication.table import Table
 
 Row = dict[str, Any]
+
+NO_GRADE: Final = "(not stated)"
+"""What an order needs and the project does not say."""
 
 
 def bolt_tables(gridshell: Gridshell, families: Sequence[Family]) -> dict[str, Table]:
@@ -26,7 +29,7 @@ def bolt_tables(gridshell: Gridshell, families: Sequence[Family]) -> dict[str, T
         return {}
     return {
         "bolts": Table(bolt_rows(gridshell, families), name="bolts"),
-        "fasteners": Table(fastener_rows(gridshell.bolts), name="fasteners"),
+        "fasteners": Table(fastener_rows(gridshell), name="fasteners"),
     }
 
 
@@ -39,7 +42,7 @@ def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
     node.
     """
     turned = _turned(gridshell.beams, families)
-    size = gridshell.project.connection.bolt
+    connection = gridshell.project.connection
     rows = []
     for bolt in gridshell.bolts:
         (_, node_hole), (_, beam_hole) = bolt.holes
@@ -51,7 +54,8 @@ def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
             "node": bolt.node,
             "beam": bolt.beam,
             "beam_end": "end" if at_end else "start",
-            "size": size,
+            "size": connection.bolt,
+            "class": connection.bolt_class,
         }
         kinds = Counter(mounted.shape.kind for mounted in bolt.mounted)
         for mounted in bolt.mounted:
@@ -63,7 +67,7 @@ def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
         rows.append(
             {
                 **row,
-                "grip_mm": bolt.grip,
+                "grip_mm": clamped(bolt),
                 "thread_mm": bolt.thread,
                 "node_hole_mm": node_hole,
                 "node_hole_depth_mm": bolt.depth,
@@ -79,22 +83,46 @@ def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
     return rows
 
 
-def fastener_rows(bolts: Sequence[Bolt]) -> list[Row]:
+def clamped(bolt: Bolt) -> float:
+    """What a bolt clamps [mm], washers included: between head, nut and, of threads, the seat."""
+    ends = [0.0] if bolt.thread is not None else []
+    ends += [m.at for m in bolt.mounted if m.shape.kind in ("bolt", "nut")]
+    return max(ends) - min(ends)
+
+
+def class_of(shape: FastenerShape, made: PropertyClass) -> str:
+    """Property class of a bolt, stud or nut, or hardness of a washer, as it is ordered."""
+    if shape.kind == "washer":
+        return made.wide if shape.designation.startswith(WIDE) else made.washer
+    return made.nut if shape.kind == "nut" else made.bolt
+
+
+def fastener_rows(gridshell: Gridshell) -> list[Row]:
     """Rows of the list of fasteners: quantity and masses [kg] of each, as they are ordered.
 
     Masses are those of smooth shanks: threads make them a few percent lighter.
     """
-    counts: Counter[FastenerShape] = Counter(m.shape for bolt in bolts for m in bolt.mounted)
+    connection = gridshell.project.connection
+    made = property_class(connection.bolt_class)
+    joined: dict[FastenerShape, list[str]] = {}
+    counts: Counter[FastenerShape] = Counter()
+    for bolt in gridshell.bolts:
+        for mounted in bolt.mounted:
+            counts[mounted.shape] += 1
+            joined.setdefault(mounted.shape, []).extend((bolt.node, bolt.beam))
     rows = []
     for shape, quantity in sorted(counts.items(), key=lambda item: item[0].designation):
         mass = mass_kg(shape.second_volume(), steel_density())
         rows.append(
             {
                 "designation": shape.designation,
+                "class": class_of(shape, made),
                 "kind": shape.kind,
+                "coating": connection.grade or NO_GRADE,
                 "quantity": quantity,
                 "mass_kg": mass,
                 "total_mass_kg": quantity * mass,
+                "marks": " ".join(dict.fromkeys(joined[shape])),
             }
         )
     return rows

@@ -18,7 +18,7 @@ from fabrication.gridshell.where import Edges, Rule, Vertices, shown
 from fabrication.project.sections import Finite, NotNegative, Positive, Section
 from fabrication.specs import Profile
 from fabrication.standards import density, polygon, profile, stock_size
-from fabrication.standards.fasteners import BoltSize
+from fabrication.standards.fasteners import BoltClass, BoltSize
 from fabrication.standards.glass import build_up
 
 EdgeWork = Literal["cut", "arrissed", "ground", "smooth ground", "polished"]
@@ -71,6 +71,7 @@ class BeamSettings(_WithProfile):
     clearance_mm : between the cut and the node; 0.5 leaves room for paint and length tolerance
     min_length_mm : least length between the cuts
     grade : for the order: steel grade and what is done to the surface, "S355J2, galvanized"
+    tolerances : for the order; empty: ISO 2768-1 m, and lengths that the clearances leave room for
     rules : profiles of beams of one place; in a file [[beam]] tables, the first without `where`
     density : kg/m3; default steel, EN 1991-1-1
     material : what the bars are of, as files name it
@@ -82,6 +83,7 @@ class BeamSettings(_WithProfile):
     clearance_mm: NotNegative = 0.5
     min_length_mm: Positive = 100.0
     grade: str = ""
+    tolerances: str = ""
     material: str = "Steel"
     rules: tuple[BeamRule, ...] = Field(default=(), strict=False)
     density: Positive = density("steel")
@@ -150,7 +152,7 @@ class NodeSettings(_WithKind):
     arm_clearance_mm : land left between neighbouring arms (seats) at the cylinder
     margin_mm, top_margin_mm : how far a node reaches below and above its arms' end faces
     height_step_mm : top and bottom are rounded outwards to multiples of it
-    grade : for the order, as of beams
+    grade, tolerances : for the order, as of beams
     rules : nodes of one place; in a file [[node]] tables, the first without `where`
     density : kg/m3; default steel, EN 1991-1-1
     """
@@ -167,13 +169,14 @@ class NodeSettings(_WithKind):
     top_margin_mm: NotNegative = 0.5
     height_step_mm: Positive = 1.0
     grade: str = ""
+    tolerances: str = ""
     rules: tuple[NodeRule, ...] = Field(default=(), strict=False)
     density: Positive = density("steel")
 
     @classmethod
     def ruled(cls) -> set[str]:
         """The keys that a [[node]] table with `where` may have beside it."""
-        return cls.keys() - {"rules", "grade", "density"}
+        return cls.keys() - {"rules", "grade", "tolerances", "density"}
 
     @model_validator(mode="after")
     def _rules_hold(self) -> NodeSettings:
@@ -214,6 +217,8 @@ class ConnectionSettings(_WithKind):
     weld_mm : throat thickness of the fillet weld, 3 or more (EN 1993-1-8, 4.5.2): of beams to
         nodes, or of plates to hollow sections
     bolt : size of studs and bolts
+    bolt_class : their property class (ISO 898-1, ISO 3506-1); nuts and washers go with it
+    grade : for the order: coating of the fasteners, tightening
     bolts : of an end plate: 2, or more in rows of 2
     fastener : "stud" (DIN 976-1, with a nut) or "bolt" (ISO 4017) through the plate
     plate_mm : thickness of the plate, of a solid end, or of a tongue; "auto": the
@@ -228,11 +233,28 @@ class ConnectionSettings(_WithKind):
     kind: str = "welded"
     weld_mm: Annotated[float, Field(ge=3.0, le=50.0)] = 4.0
     bolt: BoltSize = "M12"
+    bolt_class: BoltClass = "8.8"
+    grade: str = ""
     bolts: Literal[2, 4, 6, 8] = 2
     fastener: Literal["stud", "bolt"] = "stud"
     plate_mm: Literal["auto"] | Positive = "auto"
     thread_mm: Literal["auto"] | Positive = "auto"
     fasteners: bool = False
+
+
+class JointSettings(Section):
+    """[joint]: profiles along the joints between panes, for the order; empty: not stated.
+
+    Attributes
+    ----------
+    gasket : inside, under the panes, "EPDM 60 Shore, 30 x 8"
+    clamp : that holds the panes, "pressure plate 50 mm, screws at 250 mm"
+    cap : outside, over the joint
+    """
+
+    gasket: str = ""
+    clamp: str = ""
+    cap: str = ""
 
 
 class PanelSettings(Section):
@@ -245,6 +267,7 @@ class PanelSettings(Section):
         laminates (two 6 mm plies with 2 films of PVB), cavities with Air, Ar or Kr; it sets
         thickness_mm and density. Empty: one pane of thickness_mm
     grade : for the order: heat treatment, coatings, standards, "toughened, low-e on face 2"
+    tolerances : for the order; empty: the product standard of the build-up
     thickness_mm : of the pane; default 12, e.g. two 6 mm plies
     gap_mm : joint between neighbouring panes, half on each side of pi(e)
     gap_at : the level where a square-sided pane keeps the gap: "tightest" (nowhere less),
@@ -265,6 +288,7 @@ class PanelSettings(Section):
     kind: Literal["glass", "none"] = "glass"
     build_up: str = ""
     grade: str = ""
+    tolerances: str = ""
     thickness_mm: Positive = 12.0
     gap_mm: NotNegative = 12.0
     gap_at: Literal["tightest", "inner", "outer"] = "tightest"

@@ -19,6 +19,7 @@ from fabrication.gridshell.net_settings import (
 from fabrication.gridshell.part_settings import (
     BeamSettings,
     ConnectionSettings,
+    JointSettings,
     NodeSettings,
     PanelSettings,
 )
@@ -82,6 +83,7 @@ class Project(Section):
     node: NodeSettings = NodeSettings()
     connection: ConnectionSettings = ConnectionSettings()
     panel: PanelSettings = PanelSettings()
+    joint: JointSettings = JointSettings()
     stock: StockSettings = StockSettings()
     rates: RateSettings = RateSettings()
     checks: CheckSettings = CheckSettings()

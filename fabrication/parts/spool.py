@@ -155,8 +155,10 @@ class SpoolShape:
         is_there = azimuth is not None and (
             min(abs(turn_between(of, azimuth)) for of in self.azimuths) < math.pi
         )
-        text = " ".join(f"{step:g}" for step in self.steps)
-        return {"disc_holes_{k}_mm": text if is_there else None}
+        return {
+            f"disc_{{k}}_{name}_mm": step if is_there else None
+            for name, step in zip(("first", "second"), self.steps, strict=False)
+        }
 
 
 def _frame(u: float, v: float, w: float) -> Vec:

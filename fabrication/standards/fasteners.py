@@ -13,6 +13,9 @@ from fabrication.standards.data import table
 BoltSize: TypeAlias = Literal["M6", "M8", "M10", "M12", "M14", "M16", "M18", "M20", "M22", "M24"]
 """Sizes of the data file."""
 
+BoltClass: TypeAlias = Literal["5.6", "8.8", "10.9", "A2-70", "A4-70", "A4-80"]
+"""Property classes of the data file."""
+
 BoltSeries: TypeAlias = Literal["full", "shank"]
 """Bolts threaded up to the head (ISO 4017), or with a shank (ISO 4014)."""
 
@@ -198,6 +201,26 @@ def stud_length(least: float) -> float | None:
     """The shortest stud [mm] (DIN 976-1) of at least a length; None where there is none."""
     fits = [float(length) for length in table("fasteners")["series"] if length >= least]
     return min(fits, default=None)
+
+
+@dataclass(frozen=True)
+class PropertyClass:
+    """What goes together by the property class of a bolt or stud, as it is ordered.
+
+    bolt, nut : classes
+    washer, wide : hardness of plain and of extra large washers, or their steel
+    """
+
+    bolt: str
+    nut: str
+    washer: str
+    wide: str
+
+
+def property_class(name: str) -> PropertyClass:
+    """The classes of nut and washers that go with a class of bolts, one of the data file."""
+    row = table("fasteners")["classes"][name]
+    return PropertyClass(name, row["nut"], row["washer"], row["wide"])
 
 
 def steel_density() -> float:

@@ -203,7 +203,7 @@ def test_lists_count_every_fastener() -> None:
     shell = bolted(dome())
     rows = bolt_rows(shell, families(shell.pieces, shell.family_tolerance))
     assert len(rows) == len(shell.bolts) == 2 * len(shell.beams)
-    counts = {row["kind"]: row["quantity"] for row in fastener_rows(shell.bolts)}
+    counts = {row["kind"]: row["quantity"] for row in fastener_rows(shell)}
     assert counts == {"stud": len(rows), "nut": len(rows), "washer": len(rows)}
     made = bolted(dome(), connection={**STUD, "fasteners": True})
     assert len(made.fasteners) == 3 * len(rows)

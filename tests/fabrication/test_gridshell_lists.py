@@ -20,6 +20,15 @@ VARIANTS: dict[str, dict[str, dict[str, object]]] = {
     "plain": {},
     "bolted": {"beam": {"profile": "FL 80x40"}, "connection": {"kind": "stud"}},
     "end plates": {"beam": {"profile": "FL 80x20"}, "connection": {"kind": "end_plate"}},
+    "hollow": {
+        "beam": {"profile": "RHS 120x60x5"},
+        "node": {"kind": "tube", "wall_mm": 25.0},
+        "connection": {"kind": "stud"},
+    },
+    "hollow end plates": {
+        "beam": {"profile": "RHS 100x60x5"},
+        "connection": {"kind": "end_plate"},
+    },
     "slotted": {
         "beam": {"profile": "FL 260x120"},
         "node": {"kind": "plates"},
@@ -75,7 +84,7 @@ def test_parts_list_counts_every_piece_and_all_the_mass() -> None:
     each = sum(sum(tables[name].column("mass_kg")) for name in ("panels", "beams", "nodes"))
     assert sum(bom.column("mass_kg")) == pytest.approx(each, rel=1e-12)
     roles = {row["role"]: row["material"] for row in bom}
-    assert roles["beam"] == "steel (grade not stated)"
+    assert roles["beam"] == "steel (not stated)"
     graded = dome().detail(
         beam={"grade": "S355J2"}, panel={"build_up": "8/16Ar/6.6", "grade": "toughened"}
     )

@@ -42,7 +42,7 @@ BEAM += ["panel_left", "panel_right"]
 BEAM += ["offset_start_mm", "offset_end_mm", "connection", "weld_mm"]
 NODE = ["mark", "number", "vertex", "valence", "x_mm", "y_mm", "z_mm"]
 NODE += ["axis_x", "axis_y", "axis_z", "diameter_mm", "height_mm", "above_mm", "below_mm"]
-NODE += ["mark_radius_mm", "mass_kg"]
+NODE += ["mark_radius_mm", "mark_diameter_mm", "mark_depth_mm", "mass_kg"]
 
 
 def test_columns_are_those_of_the_contract() -> None:

@@ -16,23 +16,34 @@ from typing import Final
 
 from fabrication.cutting import Stock
 from fabrication.families import families as make_families
-from fabrication.gridshell.bolt_lists import bolt_tables
+from fabrication.gridshell.bolt_lists import NO_GRADE, bolt_tables, class_of
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.project import Project
-from fabrication.gridshell.schedules import beams, bolts, bom, cutting, joints, nodes, panels
+from fabrication.gridshell.schedules import (
+    beams,
+    bolts,
+    bom,
+    cutting,
+    joints,
+    nodes,
+    order,
+    panels,
+)
 from fabrication.gridshell.schedules.beams import beam_rows
 from fabrication.gridshell.schedules.bom import bom_rows, size_rows
 from fabrication.gridshell.schedules.common import Masses, family_masses
 from fabrication.gridshell.schedules.cutting import ROUND_MM, cut_rows, usual_lengths
-from fabrication.gridshell.schedules.joints import joint_rows
+from fabrication.gridshell.schedules.joints import joint_rows, strip_rows
 from fabrication.gridshell.schedules.nodes import node_rows
+from fabrication.gridshell.schedules.order import order_rows
 from fabrication.gridshell.schedules.panels import panel_rows
 from fabrication.parts.beam import BEAM
-from fabrication.parts.fastener import FASTENER
+from fabrication.parts.fastener import FastenerShape
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
 from fabrication.project.sections import one_line
 from fabrication.specs import Family, Role
+from fabrication.standards.fasteners import property_class
 from fabrication.table import Table
 
 CONVENTIONS: Final = (
@@ -40,7 +51,8 @@ CONVENTIONS: Final = (
     "Sides of a pane are counted counterclockwise as seen from outside; corner 1 begins side 1, "
     "angle k is at corner k. Sides, angles and diagonals are those of the outer surface at sharp "
     "corners.",
-    "The mark of a pane goes on its outside face at corner 1, so that side 1 is found on site.",
+    "The mark of a pane goes on its outside face at corner 1, so that side 1 is found on site. The "
+    "mark of a beam goes on its left side at its start, that of a node on its top end.",
     "A beam runs from its start to its end; left and right, and top, are as seen along it with "
     "outside up. A mitre is positive where the beam is longer at the top, at both ends alike.",
     "A node is seen on its top end, from outside: a blind hole there marks azimuth 0, and "
@@ -50,13 +62,11 @@ CONVENTIONS: Final = (
     "outwards, its inner surface is at z = 0.",
     "A welded beam stands with its cut at the seat, the clearance between; a stud goes through a "
     "hole in the cut, on the axis of the thread in the node.",
+    "Part numbers are the numbers of the drawings (sheets) and the names of the STEP files.",
     "Rejected pieces are beyond a limit or failed a check: they are in the lists and their "
     "totals, and must not be ordered.",
 )
 """How signs, sides and counts go."""
-
-NO_GRADE: Final = "(grade not stated)"
-"""What an order needs and the project does not say."""
 
 __all__ = [
     "CONVENTIONS",
@@ -79,9 +89,10 @@ def schedules(
 ) -> dict[str, Table]:
     """The tables of a gridshell by name.
 
-    "bom", "panels", "beams" and "nodes", and where there are such: "sizes" of panes, "joints"
-    between them, "bars" (the cut list) and "stock", "bolts", "fasteners" and "costs". Families are
-    found, and masses computed from the shapes, where they are not given.
+    "order" (what holds for all parts of a kind), "bom", "panels", "beams" and "nodes", and where
+    there are such: "sizes" of panes, "joints" between them and "strips" along these, "bars" (the
+    cut list) and "stock", "bolts", "fasteners" and "costs". Families are found, and masses computed
+    from the shapes, where they are not given.
     """
     project = gridshell.project
     if families is None:
@@ -90,12 +101,14 @@ def schedules(
         masses = family_masses(families, project)
 
     made_of = materials(project)
-    bars, stock = cut_rows(families, _stock_of(project))
+    bars, stock = cut_rows(families, _stock_of(project), made_of)
     found = {
+        "order": (order_rows(gridshell), order.LEGEND),
         "bom": (bom_rows(families, masses, made_of), bom.BOM),
         "panels": (panel_rows(gridshell, families, masses), panels.LEGEND),
         "sizes": (size_rows(families, masses), bom.SIZES),
         "joints": (joint_rows(gridshell), joints.LEGEND),
+        "strips": (strip_rows(gridshell), joints.STRIPS),
         "beams": (beam_rows(gridshell, families, masses), beams.LEGEND),
         "stock": (stock, cutting.STOCK),
         "bars": (bars, cutting.BARS),
@@ -112,16 +125,25 @@ def schedules(
     return {**tables, **project.rates.table(quantities(gridshell, tables))}
 
 
-def materials(project: Project) -> dict[Role, str]:
-    """What parts of a role are made of, as it is ordered."""
-    beam, node, panel = project.beam.grade, project.node.grade, project.panel
-    glass = ", ".join(text for text in (f"glass {panel.build_up}".strip(), panel.grade) if text)
-    return {
-        BEAM.role: f"steel {one_line(beam) or NO_GRADE}",
-        NODE.role: f"steel {one_line(node) or NO_GRADE}",
-        PANEL.role: one_line(glass) if panel.grade else f"{glass} {NO_GRADE}",
-        FASTENER.role: "steel, as its designation says",
+def materials(project: Project) -> Callable[[Family], str]:
+    """What parts are made of, as they are ordered."""
+    beam, node, panel = project.beam, project.node, project.panel
+    text = f"glass {panel.build_up}".strip()
+    made_of = {
+        BEAM.role: f"{beam.material.lower()} {one_line(beam.grade) or NO_GRADE}",
+        NODE.role: f"steel {one_line(node.grade) or NO_GRADE}",
+        PANEL.role: f"{text}, {one_line(panel.grade)}" if panel.grade else f"{text} {NO_GRADE}",
     }
+    classes = property_class(project.connection.bolt_class)
+
+    def material(family: Family) -> str:
+        if isinstance(family.shape, FastenerShape):
+            own = project.connection.grade
+            coating = f", {one_line(own)}" if own else f" {NO_GRADE}"
+            return f"steel {class_of(family.shape, classes)}{coating}"
+        return made_of[family.role]
+
+    return material
 
 
 def _stock_of(project: Project) -> Callable[[Role], Stock]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -22,6 +22,16 @@ from fabrication.gridshell.schedules.common import (
 from fabrication.parts.beam import BEAM
 from fabrication.specs import Family
 
+
+def _both(meanings: Mapping[str, str]) -> dict[str, str]:
+    """Meanings of columns about the start, and the same about the end."""
+    return {
+        name.replace("{end}", end): text.replace("{end}", end)
+        for end in ("start", "end")
+        for name, text in meanings.items()
+    }
+
+
 LEGEND: Final = Legend(
     title="Beams",
     about="a bar: what to saw, its cuts and holes, and the nodes and panes at it",
@@ -38,59 +48,59 @@ LEGEND: Final = Legend(
         "length_bottom_mm": "from cut to cut along the bottom of the profile, in its middle",
         "mitre_start_deg": "angle between the start's cut and a square one, seen from the side; "
         "positive where the beam is longer at the top",
-        "mitre_end_deg": "the same at the end, with the same sign: positive is longer at the top",
+        "mitre_end_deg": "that angle at the end, with the same sign: positive is longer at the top",
         "skew_start_deg": "angle between the start's cut and a square one, seen from above; "
         "positive where the beam is longer on its left, looking from start to end: with a mitre a "
         "compound cut",
-        "skew_end_deg": "the same at the end, with the same sign: positive is longer on the left",
+        "skew_end_deg": "that angle at the end, with the same sign: positive is longer on the left",
         "roll_start_deg": "angle from the beam's own upright to the axis of the start's node, "
         "positive to the left, looking from start to end",
-        "roll_end_deg": "the same for the node at the end",
-        "hole_start_up_mm": "where the axis of the hole in the start's cut leaves it: height "
-        "above the bottom of the profile; the axis is square to the cut, in the middle of the "
-        "width",
-        "hole_start_diameter_mm": "diameter of that hole",
-        "plate_start_mm": "thickness of the plate, or of the solid end, that the hole goes through",
-        "opening_start_mm": "length along the beam of the opening behind it",
-        "opening_start_height_mm": "height of that opening, in a hollow section its width",
-        "plate_start_width_mm": "width of an end plate; its outer face is the cut",
-        "plate_start_height_mm": "height of that plate, along the cut",
-        "hole_start_count": "holes in that plate, in rows of two about its middle, where the axis "
-        "above leaves the cut",
-        "hole_start_across_mm": "from the holes on the left to those on the right",
-        "hole_start_along_mm": "from the lowest holes to the highest",
-        "plate_end_width_mm": "the same at the end",
-        "plate_end_height_mm": "the same at the end",
-        "hole_end_count": "the same at the end",
-        "hole_end_across_mm": "the same at the end",
-        "hole_end_along_mm": "the same at the end",
-        "hole_end_up_mm": "the same at the end",
-        "hole_end_diameter_mm": "the same at the end",
-        "plate_end_mm": "the same at the end",
-        "opening_end_mm": "the same at the end",
-        "opening_end_height_mm": "the same at the end",
-        "slots_start_up_mm": "the middle of the start's cut, above the bottom of the bar",
-        "slots_start_middle_mm": "from that point along the cut, positive upwards, to the middle "
-        "between two slots, which are square to the cut and go from side to side",
-        "slots_start_apart_mm": "from the middle of one slot to that of the other",
-        "slots_start_width_mm": "height of the slots",
-        "slots_start_depth_mm": "their depth from the cut, square to it",
-        "bolts_start_mm": "from the cut, square to it, to the holes, which run parallel to the cut "
-        "in the middle of the width",
-        "bolts_start_hole_mm": "diameter of these holes",
-        "bolts_start_recess_mm": "diameter of the recesses for head and nut, at both ends of a "
-        "hole",
-        "bolts_start_grip_mm": "from the floor of one recess to that of the other; the middle "
-        "between the slots is half way",
-        "slots_end_up_mm": "the same at the end",
-        "slots_end_middle_mm": "the same at the end",
-        "slots_end_apart_mm": "the same at the end",
-        "slots_end_width_mm": "the same at the end",
-        "slots_end_depth_mm": "the same at the end",
-        "bolts_end_mm": "the same at the end",
-        "bolts_end_hole_mm": "the same at the end",
-        "bolts_end_recess_mm": "the same at the end",
-        "bolts_end_grip_mm": "the same at the end",
+        "roll_end_deg": "that angle for the node at the end",
+        **_both(
+            {
+                "plate_{end}_mm": "thickness of the plate at the {end}, or of the solid end of the "
+                "bar before its opening; in a hollow section a plate inside, flush with the cut "
+                "and welded to it (weld_mm)",
+                "plate_{end}_width_mm": "width of an end plate; its outer face is the cut, it is "
+                "welded to the bar (weld_mm)",
+                "plate_{end}_height_mm": "height of that plate, along the cut",
+                "hole_{end}_up_mm": "where the axis of the hole in the cut at the {end} leaves it, "
+                "of several the middle between them: height above the bottom of the profile; the "
+                "axis is square to the cut, in the middle of the width",
+                "hole_{end}_diameter_mm": "diameter of the hole",
+                "hole_{end}_count": "holes in that plate, in rows of two about its middle, which "
+                "is where the axis above leaves the cut",
+                "hole_{end}_across_mm": "from the holes on the left to those on the right",
+                "hole_{end}_along_mm": "from the lowest holes to the highest",
+                "vent_{end}_mm": "diameter of the hole in the middle of the plate, into the cavity "
+                "of a hollow section",
+                "opening_{end}_mm": "length along the beam of the opening behind the plate: from "
+                "side to side of a solid bar, in the lower wall of a hollow section",
+                "opening_{end}_height_mm": "height of that opening, along the cut; in a hollow "
+                "section its width, about the middle",
+                "opening_{end}_corner_mm": "radius of its corners",
+                "opening_{end}_up_mm": "height of the middle of the opening above the bottom of "
+                "the profile; its sides are parallel to the beam, its ends to the cut, and the "
+                "first end is the inner face of the plate",
+                "opening_{end}_from_mm": "from the cut to the opening, along the bottom of the "
+                "profile",
+                "slots_{end}_up_mm": "the middle of the cut at the {end}, above the bottom of the "
+                "bar",
+                "slots_{end}_middle_mm": "from that point along the cut, positive upwards, to the "
+                "middle between two slots, which are square to the cut and go from side to side",
+                "slots_{end}_apart_mm": "from the middle of one slot to that of the other",
+                "slots_{end}_width_mm": "height of the slots",
+                "slots_{end}_depth_mm": "their depth from the cut, square to it",
+                "bolts_{end}_first_mm": "from the cut, square to it, to the first hole; holes run "
+                "parallel to the cut in the middle of the width",
+                "bolts_{end}_second_mm": "from the cut, square to it, to the second hole",
+                "bolts_{end}_hole_mm": "diameter of these holes",
+                "bolts_{end}_recess_mm": "diameter of the recesses for head (at the top) and nut, "
+                "at both ends of a hole",
+                "bolts_{end}_grip_mm": "from the floor of one recess to that of the other; the "
+                "middle between the slots is half way",
+            }
+        ),
         "slot_width_mm": "width of the slots from both cuts, about the middle of the width, open "
         "at top and bottom",
         "slot_depth_mm": "depth of the slots, square to the cuts",
@@ -105,9 +115,11 @@ LEGEND: Final = Legend(
         "panel_right": "pane on the right",
         "offset_start_mm": "from the axis of the node at the start to the cut, along the top of "
         "the profile; with length_top_mm and offset_end_mm the length from axis to axis",
-        "offset_end_mm": "the same at the end",
+        "offset_end_mm": "from the axis of the node at the end to the cut, along the top of the "
+        "profile",
         "connection": "how its ends are joined to the nodes",
-        "weld_mm": "throat thickness of the fillet weld round the ends; empty: not welded",
+        "weld_mm": "throat thickness of the fillet weld: of the ends to the nodes, or of plates to "
+        "the bar; empty: not welded",
     },
     totals=("mass_kg", "length_cut_mm"),
     unprinted=("edge",),

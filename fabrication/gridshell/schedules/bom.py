@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Final
 
 from fabrication.formats.tables import Legend
 from fabrication.gridshell.schedules.common import NUMBER, FromStock, Masses, Row
 from fabrication.gridshell.schedules.panels import SIZE_STEP_MM, rounded_up, size_class
 from fabrication.parts.panel import M2_PER_MM2, PANEL
-from fabrication.specs import Family, Role, Shape
+from fabrication.specs import Family, Shape
 
 BOM: Final = Legend(
     title="Parts list",
@@ -50,15 +50,17 @@ SIZES: Final = Legend(
 )
 
 
-def bom_rows(families: Sequence[Family], masses: Masses, material: Mapping[Role, str]) -> list[Row]:
-    """A row a part number; `material` names what parts of a role are made of."""
+def bom_rows(
+    families: Sequence[Family], masses: Masses, material: Callable[[Family], str]
+) -> list[Row]:
+    """A row a part number; `material` names what its pieces are made of."""
     return [
         {
             "number": family.number,
             "role": family.role,
             "quantity": len(family.instances),
             "description": described(family.shape),
-            "material": material.get(family.role, ""),
+            "material": material(family),
             "unit_mass_kg": masses[family.number],
             "mass_kg": masses[family.number] * len(family.instances),
             "marks": marks(family),

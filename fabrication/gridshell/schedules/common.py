@@ -22,7 +22,9 @@ Row: TypeAlias = dict[str, Any]
 Masses: TypeAlias = Mapping[str, float]
 
 MARK: Final = "piece mark, on the part and in the assembly: one piece of the structure"
-NUMBER: Final = "part number: pieces of one number are congruent and have one STEP file"
+NUMBER: Final = (
+    "part number, and that of its drawing: pieces of one number are congruent, with one STEP file"
+)
 
 
 def family_masses(families: Sequence[Family], project: Project) -> dict[str, float]:

@@ -35,6 +35,7 @@ STOCK: Final = Legend(
     about="bars of one profile and length: how many, and how much of them is waste",
     meanings={
         "profile": "cross-section of the bars; of nodes round or tube, with the diameter",
+        "material": "what it is made of: grade and treatment as the project states them",
         "stock_mm": "length of a bar as it is bought; empty: by length",
         "bars": "how many bars",
         "quantity": "how many pieces come out of them",
@@ -43,8 +44,10 @@ STOCK: Final = Legend(
         "waste_percent": "what is bought and not used, of what is bought",
         "least_bars": "fewest bars of the longest stock from which all beams of the profile could "
         "be cut (bound of Martello and Toth 1990), whatever the order of cuts",
+        "marks": "the pieces that are cut from them",
     },
     totals=("bars", "quantity", "used_mm", "bought_mm"),
+    unprinted=("marks",),
 )
 
 
@@ -67,23 +70,25 @@ ROUND_MM: Final = (6000.0,)
 
 
 def cut_rows(
-    families: Sequence[Family], stock: Callable[[Role], Stock]
+    families: Sequence[Family], stock: Callable[[Role], Stock], material: Callable[[Family], str]
 ) -> tuple[list[Row], list[Row]]:
     """Rows of the bars, and of the stock to buy, by profile.
 
     Parameters
     ----------
     stock : what bars of a role are cut from
+    material : what pieces of a part number are made of
     """
-    pieces: dict[tuple[Role, str], list[tuple[str, float]]] = {}
+    pieces: dict[tuple[Role, str, str], list[tuple[str, float]]] = {}
     for kind in (BEAM, NODE):
         for family, instance in instances_of(families, kind):
             if isinstance(family.shape, FromStock):
                 cut = family.shape.stock()
                 profile, length = cut
-                pieces.setdefault((kind.role, profile), []).append((instance.mark, length))
+                key = (kind.role, profile, material(family))
+                pieces.setdefault(key, []).append((instance.mark, length))
     bars, bought = [], []
-    for (role, profile), found in sorted(pieces.items()):
+    for (role, profile, made_of), found in sorted(pieces.items()):
         found.sort()
         cutting = cut_from_stock([length for _, length in found], stock(role))
         bars += [_bar_row(profile, bar, found) for bar in cutting.bars]
@@ -96,6 +101,7 @@ def cut_rows(
             bought.append(
                 {
                     "profile": profile,
+                    "material": made_of,
                     "stock_mm": bought_as,
                     "bars": len(alike),
                     "quantity": sum(len(bar.pieces) for bar in alike),
@@ -103,6 +109,7 @@ def cut_rows(
                     "bought_mm": total,
                     "waste_percent": 100.0 * (1.0 - used / total),
                     "least_bars": cutting.bound,
+                    "marks": " ".join(found[k][0] for bar in alike for k in bar.pieces),
                 }
             )
     return bars, bought

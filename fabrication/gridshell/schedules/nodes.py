@@ -1,4 +1,4 @@
-"""The schedule of nodes: round bars as a mill makes them, arm by arm from the mark."""
+"""The schedule of nodes: as a mill makes them, arm by arm from the mark."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FULL_TURN: Final = 1e-9
 
 LEGEND: Final = Legend(
     title="Nodes",
-    about="a node: where it is, its bar, and seat, hole and beam of each arm from the mark",
+    about="a node: where it is, its size, and seat, holes and beam of each arm from the mark",
     meanings={
         "mark": MARK,
         "number": NUMBER,
@@ -41,11 +41,15 @@ LEGEND: Final = Legend(
         "axis_x": "unit vector of the node's axis, pointing outwards",
         "axis_y": "unit vector of the node's axis, pointing outwards",
         "axis_z": "unit vector of the node's axis, pointing outwards",
-        "diameter_mm": "outside diameter of the bar or tube",
-        "height_mm": "length of the bar along the axis",
+        "diameter_mm": "outside diameter of the bar or tube; of plates and discs of the circle "
+        "round all of them",
+        "height_mm": "length along the axis, over all",
+        "wall_mm": "thickness of the wall of a tube",
         "above_mm": "from the vertex to the top end, along the axis",
         "below_mm": "from the vertex to the bottom end, along the axis",
         "mark_radius_mm": "from the axis to the blind hole in the top end, which marks azimuth 0",
+        "mark_diameter_mm": "diameter of that hole",
+        "mark_depth_mm": "depth of that hole",
         "mass_kg": "mass of one node",
         "beam_{k}": "beam at arm {k}; arms are counted counterclockwise from the mark, looking at "
         "the top end from outside",
@@ -56,10 +60,12 @@ LEGEND: Final = Legend(
         "axis and runs along the whole height",
         "seat_depth_{k}_mm": "how deep that flat is milled into the cylinder: radius less seat {k}",
         "seat_width_{k}_mm": "width of that flat",
-        "hole_{k}_mm": "height of the center of the radial hole of arm {k} above the bottom end",
-        "hole_{k}_diameter_mm": "diameter of that hole",
+        "hole_{k}_mm": "height of the center of the hole of arm {k} above the bottom end; it is "
+        "square to the seat and, where it is the only one, points to the axis",
+        "hole_{k}_diameter_mm": "diameter of that hole before its thread is cut",
         "hole_{k}_depth_mm": "its depth from the seat, or from the cylinder where there is none; "
         "empty: through the wall of the tube",
+        "thread_{k}": "thread in that hole, and the length that must be complete, in mm",
         "hole_{k}_count": "holes of arm {k}, in rows of two; hole {k} is the height of the lowest",
         "hole_{k}_across_mm": "from the holes on one side of the arm to those on the other",
         "hole_{k}_along_mm": "from the lowest holes to the highest",
@@ -68,7 +74,8 @@ LEGEND: Final = Legend(
         "disc_width_mm": "width of the strips of the discs, one along each arm",
         "core_diameter_mm": "diameter of the core between the discs",
         "disc_hole_mm": "diameter of the holes in both discs",
-        "disc_holes_{k}_mm": "from the axis to the holes of arm {k}, alike in both discs",
+        "disc_{k}_first_mm": "from the axis to the first hole of arm {k}, alike in both discs",
+        "disc_{k}_second_mm": "from the axis to its second hole, alike in both discs",
         "plate_mm": "thickness of the plates of a star",
         "plate_length_mm": "from the axis to the ends of its plates",
         "plate_hole_mm": "diameter of the holes through its plates, square to them",
@@ -78,7 +85,14 @@ LEGEND: Final = Legend(
         "plate_{k}_second_up_mm": "height of that hole above the bottom end",
     },
     totals=("mass_kg",),
-    unprinted=("vertex", "axis_x", "axis_y", "axis_z"),
+    unprinted=(
+        "vertex",
+        "axis_x",
+        "axis_y",
+        "axis_z",
+        "mark_diameter_mm",
+        "mark_depth_mm",
+    ),
 )
 
 
@@ -86,6 +100,12 @@ def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
     """Rows of the node schedule, by vertex; azimuths counterclockwise from the part's mark."""
     pieces = {node.mark: node for node in gridshell.nodes}
     most = max((len(node.arms) for node in gridshell.nodes), default=0)
+    size = gridshell.project.connection.bolt
+    threads = {
+        (bolt.node, bolt.beam): f"{size} x {bolt.thread:g}"
+        for bolt in gridshell.bolts
+        if bolt.thread is not None
+    }
     rows = {}
     for family, instance in instances_of(families, NODE):
         node = pieces[instance.mark]
@@ -114,6 +134,8 @@ def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             row[f"azimuth_{k + 1}_deg"] = None if azimuth is None else float(np.degrees(azimuth))
             row[f"elevation_{k + 1}_deg"] = float(np.degrees(arm.elevation)) if arm else None
             row |= {name.format(k=k + 1): value for name, value in _arm(family.shape, azimuth)}
+            if threads:
+                row[f"thread_{k + 1}"] = threads.get((node.mark, arm.beam)) if arm else None
         rows[node.mark] = {**row, **family.shape.dimensions()}
     return [rows[node.mark] for node in gridshell.nodes]
 

@@ -73,7 +73,10 @@ class CombEnd:
             f"slots_{name}_apart_mm": self.spacing,
             f"slots_{name}_width_mm": self.width,
             f"slots_{name}_depth_mm": self.depth,
-            f"bolts_{name}_mm": " ".join(f"{step:g}" for step in self.steps),
+            **{
+                f"bolts_{name}_{order}_mm": step
+                for order, step in zip(("first", "second"), self.steps, strict=False)
+            },
             f"bolts_{name}_hole_mm": self.diameter,
             f"bolts_{name}_recess_mm": self.recess,
             f"bolts_{name}_grip_mm": self.grip,

@@ -67,6 +67,7 @@ def plate_details(plate: PlateEnd, low: float, name: str) -> dict[str, Any]:
         f"hole_{name}_count": len(plate.holes),
         f"hole_{name}_across_mm": max(ys) - min(ys),
         f"hole_{name}_along_mm": max(ws) - min(ws),
+        **({f"vent_{name}_mm": plate.vent} if plate.vent else {}),
     }
 
 

@@ -13,6 +13,7 @@ from fabrication.parts.beam.boundary import beam_geometry
 from fabrication.parts.beam.comb import CombEnd
 from fabrication.parts.beam.congruence import beam_key, beam_variants, fibre_ends
 from fabrication.parts.beam.end_plate import bar_of, plate_details
+from fabrication.parts.beam.stud import stud_details
 from fabrication.parts.beam.volume import beam_volume
 from fabrication.specs import Kind, Profile
 from fabrication.standards.profiles import z_range
@@ -170,13 +171,9 @@ class BeamShape:
             f"length_{name}_mm": self.end.x - self.start.x + z * slope
             for name, z in (("top", high), ("bottom", low))
         }
-        for name, cut in (("start", self.start), ("end", self.end)):
+        for name, cut, outward in (("start", self.start, -1.0), ("end", self.end, 1.0)):
             if cut.stud is not None:
-                found[f"hole_{name}_up_mm"] = cut.stud.z - low
-                found[f"hole_{name}_diameter_mm"] = cut.stud.diameter
-                found[f"plate_{name}_mm"] = cut.stud.plate
-                found[f"opening_{name}_mm"] = cut.stud.length
-                found[f"opening_{name}_height_mm"] = cut.stud.height
+                found |= stud_details(cut, outward, self.profile.loops, name)
             if cut.plate is not None:
                 found |= plate_details(cut.plate, low, name)
             if cut.comb is not None:

@@ -7,7 +7,8 @@ the hole goes through. A hollow section is closed by a plate, and has a hand hol
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -138,6 +139,30 @@ def window(cut: EndCut, outward: float) -> Loop:
     if outward > 0.0:
         corners = corners[::-1]
     return rounded(corners, stud.corner)
+
+
+def stud_details(cut: EndCut, outward: float, loops: Sequence[Loop], name: str) -> dict[str, Any]:
+    """Columns of a schedule; outward: -1 at the start, +1 at the end, which is `name`."""
+    stud = cut.stud
+    assert stud is not None
+    walls_at = sorted(float(loop.points[:, 1].min()) for loop in loops[:2])
+    low, hollow = walls_at[0], len(walls_at) > 1
+    outline = (hand_hole(cut, outward, *walls_at) if hollow else window(cut, outward)).points
+    found: dict[str, Any] = {
+        f"hole_{name}_up_mm": stud.z - low,
+        f"hole_{name}_diameter_mm": stud.diameter,
+        f"plate_{name}_mm": stud.plate,
+        f"opening_{name}_mm": stud.length,
+        f"opening_{name}_height_mm": stud.height,
+        f"opening_{name}_corner_mm": stud.corner,
+    }
+    if hollow:
+        at_bottom = cut.x + cut.slope * low
+        found[f"opening_{name}_from_mm"] = float(np.abs(outline[:, 0] - at_bottom).min())
+    else:
+        middle = 0.5 * (outline[:, 0].min() + outline[:, 0].max())
+        found[f"opening_{name}_up_mm"] = float(middle) - low
+    return found
 
 
 def plate_side(loop: list[Segment], cut: EndCut, outward: float) -> int:

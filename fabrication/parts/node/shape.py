@@ -107,8 +107,9 @@ class NodeShape:
         return {"diameter_mm": 2 * self.radius, "height_mm": self.z1 - self.z0}
 
     def details(self) -> dict[str, Any]:
-        """Where its ends and the mark are."""
-        return ends_of(self)
+        """Wall of a tube; where its ends and the mark are."""
+        wall = {"wall_mm": self.radius - self.bore} if self.bore else {}
+        return {**wall, **ends_of(self)}
 
     def arm(self, azimuth: float | None) -> dict[str, Any]:
         """Seat and hole of the arm in a direction [rad]; None in every column where none is."""
@@ -152,9 +153,12 @@ class _Upright(Protocol):
 
 
 def ends_of(shape: _Upright) -> dict[str, Any]:
-    """From the vertex to both ends, and from the axis to the mark, as schedules list them."""
-    mark = {} if shape.mark is None else {"mark_radius_mm": shape.mark.x}
-    return {"above_mm": shape.z1, "below_mm": -shape.z0, **mark}
+    """From the vertex to both ends, and the mark, as schedules list them."""
+    found = {"above_mm": shape.z1, "below_mm": -shape.z0}
+    if (mark := shape.mark) is not None:
+        found["mark_radius_mm"] = mark.x
+        found["mark_diameter_mm"], found["mark_depth_mm"] = mark.diameter, mark.depth
+    return found
 
 
 def _nearest(features: Sequence[_F], azimuth: float | None) -> _F | None:

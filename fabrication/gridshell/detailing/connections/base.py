@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
     from fabrication.gridshell.project import Project
 
-BOLTED: Final = ("bolt", "plate_mm", "fasteners")
+BOLTED: Final = ("bolt", "bolt_class", "grade", "plate_mm", "fasteners")
 """Keys of [connection] that all bolted kinds have."""
 
 THICKEST: Final = 2.0
@@ -163,9 +163,11 @@ class Connection(ABC):
     Attributes
     ----------
     keys : keys of [connection] that not all kinds have
+    summary : what it is, for the order
     """
 
     keys: ClassVar[Sequence[str]] = ()
+    summary: ClassVar[str] = ""
 
     @classmethod
     @abstractmethod

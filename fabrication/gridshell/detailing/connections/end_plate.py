@@ -69,6 +69,10 @@ class EndPlate(Connection):
     thread: float | None = None
 
     keys: ClassVar[tuple[str, ...]] = (*BOLTED, "fastener", "thread_mm", "bolts")
+    summary: ClassVar[str] = (
+        "plates welded across the ends of the beams, bolts or studs beside the bar into threads in "
+        "the node"
+    )
 
     @classmethod
     def of(cls, project: Project) -> Self:

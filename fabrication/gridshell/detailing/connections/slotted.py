@@ -74,6 +74,9 @@ class Slotted(Connection):
     clearance: float
 
     keys: ClassVar[tuple[str, ...]] = BOLTED
+    summary: ClassVar[str] = (
+        "the discs of the node in slots across the beam, bolts along the node axis through both"
+    )
 
     @classmethod
     def of(cls, project: Project) -> Self:

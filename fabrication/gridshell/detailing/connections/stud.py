@@ -69,6 +69,10 @@ class Stud(Connection):
     thread: float | None = None
 
     keys: ClassVar[tuple[str, ...]] = (*BOLTED, "fastener", "thread_mm")
+    summary: ClassVar[str] = (
+        "a stud or bolt through the end of the beam into a thread in the node, tightened through "
+        "the opening behind it"
+    )
 
     @classmethod
     def of(cls, project: Project) -> Self:

@@ -62,6 +62,9 @@ class BoltedTongue(Connection):
     clearance: float
 
     keys: ClassVar[tuple[str, ...]] = BOLTED
+    summary: ClassVar[str] = (
+        "the plates of the node in slots of the beams, bolts across both in double shear"
+    )
 
     @classmethod
     def of(cls, project: Project) -> Self:

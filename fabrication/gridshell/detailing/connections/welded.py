@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from fabrication.gridshell.detailing.connections.base import Connection, Joined
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Welded(Connection):
     """A fillet weld round the end of the beam; its size is in the schedule."""
+
+    summary: ClassVar[str] = "ends of the beams on the seats of the nodes, fillet welds all round"
 
     @classmethod
     def of(cls, project: Project) -> Self:

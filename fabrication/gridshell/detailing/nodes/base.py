@@ -106,6 +106,7 @@ class NodeSize(ABC):
     forced_by : vertex of the node that needs it
     keys : keys of [node] that other kinds do not have
     kind : what part numbers, layers and colors of its nodes go by; its role is "node"
+    summary : what it is made of, for the order
     """
 
     radius: float
@@ -117,6 +118,7 @@ class NodeSize(ABC):
 
     keys: ClassVar[tuple[str, ...]] = ()
     kind: ClassVar[Kind] = NODE
+    summary: ClassVar[str] = ""
 
     @classmethod
     @abstractmethod

@@ -37,6 +37,9 @@ class Plates(NodeSize):
     discs: Discs
 
     kind: ClassVar[Kind] = SPOOL
+    summary: ClassVar[str] = (
+        "two discs cut from plate, EN 10029, welded to a core of round bar, EN 10060, all round"
+    )
 
     @classmethod
     def fit(cls, joints: Joints) -> Self:

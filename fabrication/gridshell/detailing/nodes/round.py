@@ -41,6 +41,7 @@ MARK_PART: Final = 0.4
 class Cylinder(NodeSize):
     """A solid cylinder about the node axis, with a milled seat for each arm with a flat end."""
 
+    summary: ClassVar[str] = "round bar, EN 10060, with a flat milled for each arm"
     series: ClassVar[str] = "cylinder"
     body: ClassVar[str] = "a cylinder"
     remedy: ClassVar[str] = "a narrower [beam] profile"
@@ -208,6 +209,7 @@ class Tube(Cylinder):
     wall: float = 0.0
 
     keys: ClassVar[tuple[str, ...]] = ("wall_mm",)
+    summary: ClassVar[str] = "circular hollow section, EN 10210-2"
     series: ClassVar[str] = "tube"
     body: ClassVar[str] = "the wall of a tube"
     remedy: ClassVar[str] = "a thicker [node] wall_mm"

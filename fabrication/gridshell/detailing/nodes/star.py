@@ -29,6 +29,10 @@ class Star(NodeSize):
     length: float
 
     kind: ClassVar[Kind] = STAR
+    summary: ClassVar[str] = (
+        "plates, EN 10029, welded to each other at the axis with full penetration, or milled from "
+        "one piece"
+    )
 
     @classmethod
     def fit(cls, joints: Joints) -> Self:

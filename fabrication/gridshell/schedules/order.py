@@ -1,0 +1,173 @@
+"""Order data: what holds for all parts of a kind, where it comes from, and what is not stated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from fabrication.formats.tables import Legend
+from fabrication.gridshell.bolt_lists import class_of
+from fabrication.gridshell.detailing.connections import registry as connections
+from fabrication.gridshell.detailing.gridshell import Gridshell
+from fabrication.gridshell.detailing.nodes.base import Joints
+from fabrication.gridshell.part_settings import PanelSettings
+from fabrication.gridshell.schedules.common import Detailed, Row
+from fabrication.gridshell.schedules.panels import EDGE_WORK
+from fabrication.project.sections import Section, one_line
+from fabrication.standards.fasteners import property_class
+from fabrication.standards.ordering import (
+    bar_tolerances,
+    node_tolerances,
+    pane_tolerances,
+    profile_standard,
+)
+
+LEGEND: Final = Legend(
+    title="Order data",
+    about="what holds for all parts of a kind, and what the project does not state",
+    meanings={
+        "parts": "what it is about",
+        "subject": "what is stated",
+        "value": "the statement; empty: to be agreed before parts are ordered",
+        "basis": "project: a setting of the project file; default: the program's, where the "
+        "project has no other; not stated: the project leaves it open",
+        "setting": "section and key of the project file that state it",
+    },
+)
+
+PROJECT: Final = "project"
+DEFAULT: Final = "default"
+OPEN: Final = "not stated"
+"""Where a statement comes from."""
+
+
+@dataclass(frozen=True)
+class _About:
+    """Rows about parts that a section of the project describes."""
+
+    parts: str
+    name: str
+    section: Section
+
+    def row(self, subject: str, value: str, key: str) -> Row:
+        """A statement, of the project where it sets the key."""
+        basis = OPEN if not value else PROJECT if key in self.section.changed() else DEFAULT
+        return {
+            "parts": self.parts,
+            "subject": subject,
+            "value": one_line(value),
+            "basis": basis,
+            "setting": f"{self.name}.{key}",
+        }
+
+
+def order_rows(gridshell: Gridshell) -> list[Row]:
+    """Statements for the orders of panes, bars, nodes and fasteners."""
+    rows = [*_beams(gridshell), *_nodes(gridshell), *_connection(gridshell)]
+    return [*_panes(gridshell), *rows] if gridshell.panels else rows
+
+
+def not_stated(rows: Sequence[Row]) -> list[str]:
+    """Settings that the project leaves open."""
+    return [str(row["setting"]) for row in rows if row["basis"] == OPEN]
+
+
+def _panes(gridshell: Gridshell) -> Iterator[Row]:
+    project = gridshell.project
+    panel, of = project.panel, _About("panes", "panel", project.panel)
+    if panel.build_up:
+        yield of.row("build-up from the outside inwards", panel.build_up, "build_up")
+    else:
+        yield of.row("build-up", f"one pane, {panel.thickness_mm:g} mm", "thickness_mm")
+    yield of.row("glass, heat treatment, coatings, standards", panel.grade, "grade")
+    for where, key, work in (
+        ("between panes", "edge_work", panel.edge_work),
+        ("at the boundary", "edge_work_boundary", panel.edge_work_boundary),
+    ):
+        yield of.row(f"edges {where}", f"{work} ({EDGE_WORK[work]}), EN 12150-1", key)
+    sides = "square to the pane" if panel.edge == "square" else "bevelled as in the list of panels"
+    yield of.row("sides", sides, "edge")
+    yield of.row("corners", _corners(panel), "corner_radius_mm")
+    if panel.panes > 1:
+        stand = f"{panel.step_mm:g} mm behind the outer one" if panel.step_mm else "flush"
+        yield of.row("inner panes at the boundary", stand, "step_mm")
+    found = panel.tolerances or pane_tolerances(panel.build_up)
+    yield of.row("tolerances", found, "tolerances")
+    gap, between = f"{panel.gap_mm:g} mm ({panel.gap_at})", _About("joints", "panel", panel)
+    yield between.row("gap between panes", gap, "gap_mm")
+    above = f"{gridshell.offset:g} mm above the faces of the mesh"
+    yield between.row("inner surface of the panes", above, "offset_mm")
+    joint, at = project.joint, _About("joints", "joint", project.joint)
+    yield at.row("gasket inside", joint.gasket, "gasket")
+    yield at.row("clamp", joint.clamp, "clamp")
+    yield at.row("cap outside", joint.cap, "cap")
+
+
+def _corners(panel: PanelSettings) -> str:
+    radius = panel.corner_radius_mm
+    return f"rounded, radius {radius:g} mm" if radius else "not rounded"
+
+
+def _beams(gridshell: Gridshell) -> Iterator[Row]:
+    project = gridshell.project
+    beam, of = project.beam, _About("beams", "beam", project.beam)
+    found = {joints.profile.name: joints.profile for joints in _joints(gridshell)}
+    for section in found.values():
+        standard = profile_standard(section, beam.material)
+        name = f"{section.name}, depth {section.depth:g} x width {section.width:g} mm"
+        yield of.row("profile", f"{name}, {standard}" if standard else name, "profile")
+    yield of.row("material", beam.material, "material")
+    yield of.row("grade, surface", beam.grade, "grade")
+    ends = "coped to the cylinders of the nodes" if beam.end == "cope" else "plane"
+    yield of.row("cuts", ends, "end")
+    clearance = f"{beam.clearance_mm:g} mm at each end"
+    yield of.row("clearance to the nodes", clearance, "clearance_mm")
+    usual = bar_tolerances(beam.material, beam.clearance_mm)
+    yield of.row("tolerances", beam.tolerances or usual, "tolerances")
+    stock, cut = project.stock, _About("beams", "stock", project.stock)
+    yield cut.row("cut list: width of a cut", f"{stock.kerf_mm:g} mm", "kerf_mm")
+    yield cut.row("cut list: off each end of a bar", f"{stock.trim_mm:g} mm", "trim_mm")
+
+
+def _joints(gridshell: Gridshell) -> Iterator[Joints]:
+    for place in gridshell.places:
+        for joints, _, _ in place.each:
+            yield joints
+
+
+def _nodes(gridshell: Gridshell) -> Iterator[Row]:
+    node = gridshell.project.node
+    of = _About("nodes", "node", node)
+    for kind, text in {
+        place.joints.project.node.kind: place.size.summary for place in gridshell.places
+    }.items():
+        yield of.row("made of", text or kind, "kind")
+    yield of.row("grade, surface", node.grade, "grade")
+    marks = (
+        piece.shape.details() for piece in gridshell.nodes if isinstance(piece.shape, Detailed)
+    )
+    holes = {(m["mark_diameter_mm"], m["mark_depth_mm"]) for m in marks if "mark_depth_mm" in m}
+    found = ", ".join(f"diameter {wide:g} mm, depth {deep:g} mm" for wide, deep in sorted(holes))
+    if found:
+        yield of.row("blind hole that marks azimuth 0", found, "kind")
+    yield of.row("tolerances", node.tolerances or node_tolerances(), "tolerances")
+
+
+def _connection(gridshell: Gridshell) -> Iterator[Row]:
+    connection = gridshell.project.connection
+    of = _About("connections", "connection", connection)
+    kind = connections.find(connection.kind)
+    yield of.row("kind", f"{connection.kind}: {kind.summary}", "kind")
+    throats = {how.weld for place in gridshell.places for _, how, _ in place.each}
+    if welds := sorted(weld for weld in throats if weld is not None):
+        found = ", ".join(f"{weld:g}" for weld in welds)
+        yield of.row("throat of fillet welds", f"{found} mm", "weld_mm")
+    if not gridshell.bolts:
+        return
+    yield of.row("thread", f"{connection.bolt}, coarse (ISO 261)", "bolt")
+    made = property_class(connection.bolt_class)
+    shapes = (mounted.shape for bolt in gridshell.bolts for mounted in bolt.mounted)
+    classes = dict.fromkeys(f"{shape.kind}s {class_of(shape, made)}" for shape in shapes)
+    yield of.row("property classes and hardness", ", ".join(classes), "bolt_class")
+    yield of.row("coating and tightening of fasteners", connection.grade, "grade")
