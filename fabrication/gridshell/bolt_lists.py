@@ -8,8 +8,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from fabrication.gridshell.detailing.connections.base import Mounted
 from fabrication.gridshell.detailing.gridshell import Gridshell
-from fabrication.gridshell.pieces import Beam, Bolt
+from fabrication.gridshell.pieces import Anchor, Beam, Bolt
 from fabrication.parts.beam import BEAM
 from fabrication.parts.fastener import WIDE, FastenerShape
 from fabrication.specs import Family, Mate
@@ -24,13 +25,13 @@ NO_GRADE: Final = "(not stated)"
 
 
 def bolt_tables(gridshell: Gridshell, families: Sequence[Family]) -> dict[str, Table]:
-    """Tables "bolts" and "fasteners"; none where nothing is bolted."""
-    if not gridshell.bolts:
-        return {}
-    return {
-        "bolts": Table(bolt_rows(gridshell, families), name="bolts"),
-        "fasteners": Table(fastener_rows(gridshell), name="fasteners"),
+    """Tables "bolts", "anchors" and "fasteners"; none where nothing is bolted."""
+    rows = {
+        "bolts": bolt_rows(gridshell, families),
+        "anchors": anchor_rows(gridshell.anchors, gridshell.project.ground.anchor),
+        "fasteners": fastener_rows(gridshell),
     }
+    return {name: Table(own, name=name) for name, own in rows.items() if own}
 
 
 def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
@@ -97,6 +98,32 @@ def class_of(shape: FastenerShape, made: PropertyClass) -> str:
     return made.nut if shape.kind == "nut" else made.bolt
 
 
+def anchor_rows(anchors: Sequence[Anchor], size: str) -> list[Row]:
+    """Rows of the list of anchors, by base plate; x, y, z is where the axis meets the ground."""
+    rows = []
+    for anchor in anchors:
+        named = {mounted.shape.kind: mounted.shape.designation for mounted in anchor.mounted}
+        x, y, z = anchor.point.tolist()
+        rows.append(
+            {
+                "mark": anchor.mark,
+                "base": anchor.base,
+                "node": anchor.node,
+                "size": size,
+                "rod": named["stud"],
+                "nut": named["nut"],
+                "washer": named["washer"],
+                "hole_mm": anchor.hole,
+                "plate_mm": anchor.through,
+                "embedment_mm": anchor.depth,
+                "x_mm": x,
+                "y_mm": y,
+                "z_mm": z,
+            }
+        )
+    return rows
+
+
 def fastener_rows(gridshell: Gridshell) -> list[Row]:
     """Rows of the list of fasteners: quantity and masses [kg] of each, as they are ordered.
 
@@ -106,10 +133,14 @@ def fastener_rows(gridshell: Gridshell) -> list[Row]:
     made = property_class(connection.bolt_class)
     joined: dict[FastenerShape, list[str]] = {}
     counts: Counter[FastenerShape] = Counter()
-    for bolt in gridshell.bolts:
-        for mounted in bolt.mounted:
+    held: list[tuple[tuple[Mounted, ...], tuple[str, ...]]] = [
+        (bolt.mounted, (bolt.node, bolt.beam)) for bolt in gridshell.bolts
+    ]
+    held += [(anchor.mounted, (anchor.base,)) for anchor in gridshell.anchors]
+    for parts, marks in held:
+        for mounted in parts:
             counts[mounted.shape] += 1
-            joined.setdefault(mounted.shape, []).extend((bolt.node, bolt.beam))
+            joined.setdefault(mounted.shape, []).extend(marks)
     rows = []
     for shape, quantity in sorted(counts.items(), key=lambda item: item[0].designation):
         mass = mass_kg(shape.second_volume(), steel_density())
@@ -128,9 +159,19 @@ def fastener_rows(gridshell: Gridshell) -> list[Row]:
     return rows
 
 
-def mates_of(bolts: Sequence[Bolt]) -> tuple[Mate, ...]:
-    """What the holes of each bolt must agree on."""
-    return tuple(
+def mates_of(bolts: Sequence[Bolt], anchors: Sequence[Anchor] = ()) -> tuple[Mate, ...]:
+    """What the holes of each bolt must agree on; an anchor has one, in its base plate."""
+    held = (
+        Mate(
+            anchor.mark,
+            tuple(anchor.point.tolist()),
+            tuple(anchor.axis.tolist()),
+            (0.0, anchor.through),
+            ((anchor.base, anchor.hole),),
+        )
+        for anchor in anchors
+    )
+    joined = (
         Mate(
             bolt.mark,
             tuple(bolt.point.tolist()),
@@ -140,6 +181,7 @@ def mates_of(bolts: Sequence[Bolt]) -> tuple[Mate, ...]:
         )
         for bolt in bolts
     )
+    return (*joined, *held)
 
 
 def mounted_pairs(gridshell: Gridshell) -> frozenset[frozenset[str]]:
@@ -147,11 +189,12 @@ def mounted_pairs(gridshell: Gridshell) -> frozenset[frozenset[str]]:
     of_bolt: dict[str, list[str]] = {}
     for piece in gridshell.fasteners:
         of_bolt.setdefault(piece.bolt, []).append(piece.mark)
+    held: dict[str, tuple[str, ...]] = {b.mark: (b.node, b.beam) for b in gridshell.bolts}
+    held |= {anchor.mark: (anchor.base,) for anchor in gridshell.anchors}
     pairs = set()
-    for bolt in gridshell.bolts:
-        own = of_bolt.get(bolt.mark, [])
+    for bolt, own in of_bolt.items():
         for k, mark in enumerate(own):
-            pairs |= {frozenset((mark, other)) for other in (bolt.node, bolt.beam, *own[k + 1 :])}
+            pairs |= {frozenset((mark, other)) for other in (*held[bolt], *own[k + 1 :])}
     return frozenset(pairs)
 
 
@@ -159,6 +202,8 @@ def marks_of(row: Mapping[str, Any]) -> list[str]:
     """The pieces that a row of a schedule is about: of a bolt, the node and the beam."""
     if "node" in row and "beam" in row:
         return [row["node"], row["beam"]]
+    if "base" in row:
+        return [row["base"]]
     if "marks" in row:
         return str(row["marks"]).split()
     return [row["mark"]] if "mark" in row else []

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from ddgfab.mesh import Floats
 from fabrication.gridshell.detailing.connections.base import Joined, Mounted
+from fabrication.parts.base import BASE, BaseShape
 from fabrication.parts.beam import BEAM
 from fabrication.parts.fastener import FASTENER, FastenerShape
 from fabrication.parts.node import NODE
@@ -132,8 +133,43 @@ class Bolt:
 
 
 @dataclass(frozen=True, eq=False)
+class Base:
+    """A base plate under a node: the node's mark and vertex, and the height of the ground [mm]."""
+
+    mark: str
+    node: str
+    vertex: int
+    ground: float
+    shape: BaseShape
+    placement: Placement
+    kind: Kind = field(default=BASE, init=False)
+    checks: tuple[Check, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Anchor:
+    """An anchor in the ground, and the base plate that it holds.
+
+    point, axis : (3,) where its axis meets the ground [mm], and its direction, upwards
+    mounted : rod, washer and nut, along the axis
+    hole, through : diameter of its hole, and thickness of the plate [mm]
+    depth : of the rod in the ground [mm]
+    """
+
+    mark: str
+    base: str
+    node: str
+    point: Floats
+    axis: Floats
+    mounted: tuple[Mounted, ...]
+    hole: float
+    through: float
+    depth: float
+
+
+@dataclass(frozen=True, eq=False)
 class FastenerPiece:
-    """A fastener as a part of the structure: the mark of its bolt's row, and where it sits."""
+    """A fastener as a part of the structure: the mark of its bolt or anchor, and where it sits."""
 
     mark: str
     bolt: str

@@ -21,6 +21,7 @@ from fabrication.gridshell.schedules import CONVENTIONS, schedules
 from fabrication.job.problems import FailedCheck
 from fabrication.job.product import Product
 from fabrication.job.whole import PREVIEW
+from fabrication.parts.base import BASE
 from fabrication.parts.beam import BEAM
 from fabrication.parts.fastener import FASTENER
 from fabrication.parts.node import NODE
@@ -66,6 +67,7 @@ class GridshellProduct(Product):
         return {
             BEAM.role: Material(project.beam.material, project.beam.density),
             NODE.role: Material("Steel", project.node.density),
+            BASE.role: Material("Steel", project.node.density),
             PANEL.role: Material("Glass", project.panel.density),
             FASTENER.role: Material("Steel", steel_density()),
         }[role]
@@ -84,8 +86,9 @@ class GridshellProduct(Product):
 
     @property
     def mates(self) -> Sequence[Mate]:
-        """The holes of every bolt whose beam and node are put together."""
-        return mates_of(self.design.gridshell.bolts)
+        """The holes of every bolt whose beam and node are put together, and of every anchor."""
+        gridshell = self.design.gridshell
+        return mates_of(gridshell.bolts, gridshell.anchors)
 
     def _within_limits(self) -> list[Family]:
         """Families of pieces that passed their limits: all pieces of a family pass, or none."""

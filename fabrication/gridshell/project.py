@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, model_validator
 
+from fabrication.gridshell.ground_settings import GroundSettings
 from fabrication.gridshell.net_settings import (
     GeneralSettings,
     NetSettings,
@@ -82,6 +83,7 @@ class Project(Section):
     beam: BeamSettings = BeamSettings()
     node: NodeSettings = NodeSettings()
     connection: ConnectionSettings = ConnectionSettings()
+    ground: GroundSettings = GroundSettings()
     panel: PanelSettings = PanelSettings()
     joint: JointSettings = JointSettings()
     stock: StockSettings = StockSettings()

@@ -14,6 +14,7 @@ from fabrication.gridshell.bolt_lists import mounted_pairs
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.detailing.clearance import PANEL_CLEARANCE
 from fabrication.gridshell.detailing.gridshell import detail
+from fabrication.parts.base import BASE
 from fabrication.parts.beam import BEAM
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
@@ -40,6 +41,7 @@ def clearances(design: Design) -> dict[tuple[Role, Role], float]:
     to_steel = PANEL_CLEARANCE if project.panel.offset_mm == "auto" else 0.0
     wanted: dict[tuple[Role, Role], float] = {
         (BEAM.role, NODE.role): project.beam.clearance_mm,
+        (BASE.role, NODE.role): project.beam.clearance_mm,
         (BEAM.role, PANEL.role): to_steel,
         (NODE.role, PANEL.role): to_steel,
         (PANEL.role, PANEL.role): project.panel.gap_mm,

@@ -16,8 +16,11 @@ GROUP: Final = "group:"
 
 BOUNDARY: Final = "boundary"
 
+SUPPORTS: Final = "supports"
+"""The nodes that [ground] names, and the beams that end at them."""
 
-def _known(*names: str) -> AfterValidator:
+
+def known_place(*names: str) -> AfterValidator:
     """Names of places, or groups."""
 
     def check(value: str) -> str:
@@ -33,8 +36,8 @@ def _known(*names: str) -> AfterValidator:
 
 
 Ids: TypeAlias = Annotated[tuple[int, ...], Field(strict=False)]
-Edges: TypeAlias = Annotated[str, _known(BOUNDARY)] | Ids
-Vertices: TypeAlias = Annotated[str, _known(BOUNDARY)] | Ids
+Edges: TypeAlias = Annotated[str, known_place(BOUNDARY, SUPPORTS)] | Ids
+Vertices: TypeAlias = Annotated[str, known_place(BOUNDARY, SUPPORTS)] | Ids
 
 
 def shown(where: str | tuple[int, ...]) -> str:

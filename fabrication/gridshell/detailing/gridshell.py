@@ -18,13 +18,22 @@ from fabrication.gridshell.detailing.clearance import panel_offset, steel_height
 from fabrication.gridshell.detailing.connections.base import Joined
 from fabrication.gridshell.detailing.connections.bolts import fastener_pieces
 from fabrication.gridshell.detailing.frames import Axes, arms_of, edge_frames, node_mark
+from fabrication.gridshell.detailing.ground import grounded
 from fabrication.gridshell.detailing.joining import Place, ends_of, joined_places, nodes_and_bolts
 from fabrication.gridshell.detailing.nodes.base import NodeSize
 from fabrication.gridshell.detailing.panels import face_planes, not_flat, panel_specs
 from fabrication.gridshell.detailing.places import NO_GROUPS, Net, rules_of_nodes
 from fabrication.gridshell.detailing.sections import beam_sections
 from fabrication.gridshell.load import make_project
-from fabrication.gridshell.pieces import Beam, Bolt, FastenerPiece, Node, Panel
+from fabrication.gridshell.pieces import (
+    Anchor,
+    Base,
+    Beam,
+    Bolt,
+    FastenerPiece,
+    Node,
+    Panel,
+)
 from fabrication.gridshell.project import Project
 from fabrication.specs import Check, Piece
 
@@ -48,6 +57,7 @@ class Gridshell:
     problems : what was found beyond single parts, one sentence each
     bolts : the bolts and studs, by node and arm
     groups : named vertices and edges of the mesh, which rules may select
+    bases, anchors : base plates under the supports, and their anchors
     """
 
     mesh: Mesh
@@ -61,6 +71,8 @@ class Gridshell:
     problems: tuple[str, ...]
     bolts: tuple[Bolt, ...]
     groups: Groups = NO_GROUPS
+    bases: tuple[Base, ...] = ()
+    anchors: tuple[Anchor, ...] = ()
 
     @property
     def size(self) -> NodeSize:
@@ -74,13 +86,15 @@ class Gridshell:
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
-        """All pieces: beams, nodes, panels; fasteners where the project wants them as parts."""
-        return (*self.beams, *self.nodes, *self.panels, *self.fasteners)
+        """All pieces: beams, nodes, base plates, panels, and fasteners that are to be parts."""
+        return (*self.beams, *self.nodes, *self.bases, *self.panels, *self.fasteners)
 
     @cached_property
     def fasteners(self) -> tuple[FastenerPiece, ...]:
         """Fasteners as pieces, where the project wants them as parts."""
-        return fastener_pieces(self.bolts) if self.project.connection.fasteners else ()
+        bolts = self.bolts if self.project.connection.fasteners else ()
+        anchors = self.anchors if self.project.ground.fasteners else ()
+        return fastener_pieces((*bolts, *anchors))
 
     @property
     def family_tolerance(self) -> float:
@@ -130,7 +144,7 @@ def detail(
     axes = np.asarray(support.axes, dtype=np.float64)
     if axes.shape != mesh.vertices.shape:
         raise DetailError(f"node axes have shape {axes.shape}; expected {mesh.vertices.shape}")
-    net = Net(mesh, groups)
+    net = Net(mesh, groups, project.ground)
     frames = edge_frames(mesh, axes)
     arms = arms_of(mesh, axes, frames)
     sections = beam_sections(net, project)
@@ -139,17 +153,34 @@ def detail(
     ends = ends_of(places, mesh)
     cuts = end_cuts(frames, ends.cut, project.beam.eccentricity_mm)
     beams = beam_specs(mesh, frames, cuts, ends, sections, project)
-    nodes, bolts, tops, radii = nodes_and_bolts(mesh, axes, places, sections)
+    fitted = nodes_and_bolts(mesh, axes, places, sections)
+    bases, anchors = grounded(
+        mesh, axes, frames, arms, sections, places, fitted, net.supports, project
+    )
     panels: tuple[Panel, ...] = ()
     offset, problem = 0.0, None
     if project.panel.kind != "none":
         planes = face_planes(mesh)
-        heights = steel_heights(mesh, axes, planes, frames, tops, radii, sections, project)
+        heights = steel_heights(
+            mesh, axes, planes, frames, fitted.tops, fitted.radii, sections, project
+        )
         offset, problem = panel_offset(heights, project)
         panels = panel_specs(mesh, planes, frames, offset, project)
     close = close_arms(arms, project.checks.min_angle_deg)
     found = (close, problem, not_flat(mesh, panels))
     problems = tuple(sentence for sentence in found if sentence is not None)
     return Gridshell(
-        mesh, support, project, beams, nodes, panels, places, offset, problems, bolts, groups
+        mesh,
+        support,
+        project,
+        beams,
+        fitted.nodes,
+        panels,
+        places,
+        offset,
+        problems,
+        fitted.bolts,
+        groups,
+        bases,
+        anchors,
     )

@@ -20,6 +20,7 @@ from fabrication.gridshell.detailing.nodes.registry import find
 from fabrication.gridshell.detailing.sections import Sections
 from fabrication.gridshell.pieces import Bolt, Node
 from fabrication.gridshell.project import Project
+from fabrication.parts.node.shape import Upright
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +47,23 @@ class Place:
             for k in own.tolist():
                 found[k] = joined
         return found
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """The nodes by vertex, the bolts by node and arm, and where the nodes end.
+
+    bottoms, tops, radii : (V,) of the nodes [mm]
+    lows, cuts : (V,) lowest point of the beams' ends along the axis, and distance of their cuts
+    """
+
+    nodes: tuple[Node, ...]
+    bolts: tuple[Bolt, ...]
+    bottoms: Floats
+    tops: Floats
+    radii: Floats
+    lows: Floats
+    cuts: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,30 +148,35 @@ def ends_of(places: tuple[Place, ...], mesh: Mesh) -> Ends:
 
 def nodes_and_bolts(
     mesh: Mesh, axes: Floats, places: tuple[Place, ...], sections: Sections
-) -> tuple[tuple[Node, ...], tuple[Bolt, ...], Floats, Floats]:
-    """The nodes by vertex, the bolts by node and arm, and tops and radii (V,) of the nodes [mm].
+) -> Fitted:
+    """The nodes and bolts of all places.
 
     Raises
     ------
     DetailError
         A node cannot be made.
     """
-    tops, radii = np.zeros(mesh.n_vertices), np.zeros(mesh.n_vertices)
+    bottoms, tops, radii, lows, cuts = np.zeros((5, mesh.n_vertices))
     nodes: list[Node] = []
     bolts: list[tuple[int, Bolt]] = []
     for place in places:
         joints, size, arms = place.joints, place.size, place.joints.arms
         low, middle, high = end_heights(joints.frames, arms, size, sections, joints.project)
+        used = np.flatnonzero(np.diff(arms.start))
+        lows[used] = np.minimum.reduceat(low, arms.start[used])
         half = 0.5 * np.array([joined.cover for joined in place.joined])
         low, high = np.minimum(low, middle - half), np.maximum(high, middle + half)
         bottom, top = size.ends(joints, *node_ends(mesh, arms, low, high, joints.project))
-        used = np.flatnonzero(np.diff(arms.start))
-        tops[used], radii[used] = top[used], size.radius
+        bottoms[used], tops[used] = bottom[used], top[used]
+        radii[used], cuts[used] = size.radius, size.cut
         nodes += node_specs(mesh, axes, joints, size, place.joined, (bottom, top), middle)
         for own, joined, mine in place.each:
             found = bolt_specs(mesh, axes, own, size, joined, middle, mine)
             bolts += ((int(place.at[k]), bolt) for k, bolt in found)
     nodes.sort(key=lambda node: node.vertex)
+    for node in nodes:
+        if isinstance(node.shape, Upright):  # discs lie where their slots are
+            bottoms[node.vertex] = node.shape.z0
     bolts.sort(key=lambda pair: pair[0])
     marked = tuple(bolt.named(f"{MARK}-{k:04d}") for k, (_, bolt) in enumerate(bolts))
-    return tuple(nodes), marked, tops, radii
+    return Fitted(tuple(nodes), marked, bottoms, tops, radii, lows, cuts)

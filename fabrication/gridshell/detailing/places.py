@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Protocol
 
 import numpy as np
@@ -13,7 +14,8 @@ from ddgfab.io import Groups
 from ddgfab.mesh import Ints, Mesh
 from ddgfab.suggest import suggestion
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
-from fabrication.gridshell.where import BOUNDARY, group_of, shown
+from fabrication.gridshell.ground_settings import NOWHERE, GroundSettings
+from fabrication.gridshell.where import BOUNDARY, SUPPORTS, group_of, shown
 
 Where = str | tuple[int, ...]
 
@@ -28,13 +30,44 @@ class Placed(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Net:
-    """What places are found in: the mesh, and the groups of its file."""
+    """What places are found in: the mesh, the groups of its file, and where it is supported."""
 
     mesh: Mesh
     groups: Groups
+    ground: GroundSettings
+
+    @cached_property
+    def supports(self) -> Ints:
+        """The vertices that stand on the ground; none where [ground] names none.
+
+        Raises
+        ------
+        DetailError
+            [ground] selects nothing; what `vertices` raises.
+        """
+        where, below = self.ground.where, self.ground.below_mm
+        if where == NOWHERE:
+            return np.zeros(0, dtype=np.int64)
+        label = "[ground] where"
+        found = self.vertices(where, label)
+        if not len(found):
+            raise DetailError(f"{label} = {shown(where)} selects no node")
+        if below is None:
+            return found
+        height = self.mesh.vertices[found, 2]
+        return np.asarray(found[height <= height.min() + below])
+
+    def _on_ground(self, label: str) -> Ints:
+        """The supports, which a rule asks for."""
+        if self.ground.where == NOWHERE:
+            raise DetailError(
+                f'{label} is for "{SUPPORTS}", and [ground] names none\nset [ground] where = '
+                '"boundary", "group:NAME" or vertex numbers'
+            )
+        return self.supports
 
     def edges(self, where: Where, label: str) -> Ints:
-        """Edges of a place, each once; none where there are none.
+        """Edges of a place, each once; none where there are none. Of supports those that end there.
 
         Raises
         ------
@@ -49,6 +82,8 @@ class Net:
             return np.flatnonzero(np.isin(key, pairs[:, 0] * mesh.n_vertices + pairs[:, 1]))
         if where == BOUNDARY:
             return np.flatnonzero((mesh.edge_faces < 0).any(axis=1))
+        if where == SUPPORTS:
+            return np.flatnonzero(np.isin(mesh.edges, self._on_ground(label)).any(axis=1))
         return _numbers(where, mesh.n_edges, f"{label} selects edge", "edges")
 
     def vertices(self, where: Where, label: str) -> Ints:
@@ -67,6 +102,8 @@ class Net:
             return found[used[found]]
         if where == BOUNDARY:
             return np.flatnonzero(mesh.boundary_vertex & used)
+        if where == SUPPORTS:
+            return self._on_ground(label)
         found = _numbers(where, mesh.n_vertices, f"{label} selects vertex", "vertices")
         if not used[found].all():
             raise DetailError(

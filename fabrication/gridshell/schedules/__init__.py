@@ -20,6 +20,7 @@ from fabrication.gridshell.bolt_lists import NO_GRADE, bolt_tables, class_of
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.project import Project
 from fabrication.gridshell.schedules import (
+    bases,
     beams,
     bolts,
     bom,
@@ -29,6 +30,7 @@ from fabrication.gridshell.schedules import (
     order,
     panels,
 )
+from fabrication.gridshell.schedules.bases import base_rows
 from fabrication.gridshell.schedules.beams import beam_rows
 from fabrication.gridshell.schedules.bom import bom_rows, size_rows
 from fabrication.gridshell.schedules.common import Masses, family_masses
@@ -37,6 +39,7 @@ from fabrication.gridshell.schedules.joints import joint_rows, strip_rows
 from fabrication.gridshell.schedules.nodes import node_rows
 from fabrication.gridshell.schedules.order import order_rows
 from fabrication.gridshell.schedules.panels import panel_rows
+from fabrication.parts.base import BASE
 from fabrication.parts.beam import BEAM
 from fabrication.parts.fastener import FastenerShape
 from fabrication.parts.node import NODE
@@ -91,8 +94,8 @@ def schedules(
 
     "order" (what holds for all parts of a kind), "bom", "panels", "beams" and "nodes", and where
     there are such: "sizes" of panes, "joints" between them and "strips" along these, "bars" (the
-    cut list) and "stock", "bolts", "fasteners" and "costs". Families are found, and masses computed
-    from the shapes, where they are not given.
+    cut list) and "stock", "bases" (base plates), "bolts", "anchors", "fasteners" and "costs".
+    Families are found, and masses computed from the shapes, where they are not given.
     """
     project = gridshell.project
     if families is None:
@@ -113,6 +116,7 @@ def schedules(
         "stock": (stock, cutting.STOCK),
         "bars": (bars, cutting.BARS),
         "nodes": (node_rows(gridshell, families, masses), nodes.LEGEND),
+        "bases": (base_rows(gridshell, families, masses), bases.LEGEND),
     }
     for name, table in bolt_tables(gridshell, families).items():
         found[name] = (table.rows, bolts.LEGENDS[name])
@@ -132,6 +136,7 @@ def materials(project: Project) -> Callable[[Family], str]:
     made_of = {
         BEAM.role: f"{beam.material.lower()} {one_line(beam.grade) or NO_GRADE}",
         NODE.role: f"steel {one_line(node.grade) or NO_GRADE}",
+        BASE.role: f"steel {one_line(node.grade) or NO_GRADE}",
         PANEL.role: f"{text}, {one_line(panel.grade)}" if panel.grade else f"{text} {NO_GRADE}",
     }
     classes = property_class(project.connection.bolt_class)
@@ -162,6 +167,8 @@ def quantities(
     """What [rates] are for: name of the rate, what it is, and how much of it there is."""
     yield "kg", "steel of beams", math.fsum(tables["beams"].column("mass_kg"))
     yield "kg", "steel of nodes", math.fsum(tables["nodes"].column("mass_kg"))
+    if gridshell.bases:
+        yield "kg", "steel of base plates", math.fsum(tables["bases"].column("mass_kg"))
     yield "m2", "panes", math.fsum(tables["panels"].column("area_m2"))
     yield "cut", "ends of beams", 2.0 * len(tables["beams"])
     holes = 2.0 * len(gridshell.bolts)  # one in the node, one in the end of the beam

@@ -66,4 +66,25 @@ FASTENERS: Final = Legend(
     unprinted=("marks",),
 )
 
-LEGENDS: Final = {"bolts": BOLTS, "fasteners": FASTENERS}
+ANCHORS: Final = Legend(
+    title="Anchors",
+    about="an anchor in the ground: which base plate it holds, and where it is set out",
+    meanings={
+        "mark": "name of the anchor",
+        "base": "base plate that it holds",
+        "node": "node above that plate",
+        "size": "thread",
+        "rod": "threaded rod, as it is ordered",
+        "nut": "nut, as it is ordered",
+        "washer": "washer, as it is ordered",
+        "hole_mm": "diameter of its hole in the base plate",
+        "plate_mm": "thickness of the base plate",
+        "embedment_mm": "how deep the rod is in the ground; what the concrete needs is in the "
+        "assessment (ETA) of the anchor",
+        "x_mm": "where its axis meets the ground, in the coordinates of the assembly",
+        "y_mm": "where its axis meets the ground, in the coordinates of the assembly",
+        "z_mm": "height of the ground there, the underside of the base plate",
+    },
+)
+
+LEGENDS: Final = {"bolts": BOLTS, "anchors": ANCHORS, "fasteners": FASTENERS}

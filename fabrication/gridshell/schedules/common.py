@@ -10,6 +10,7 @@ import numpy as np
 from ddgfab.mesh import Floats
 from fabrication.gridshell.pieces import Beam, Node, Panel
 from fabrication.gridshell.project import Project
+from fabrication.parts.base import BASE
 from fabrication.parts.beam import BEAM
 from fabrication.parts.fastener import FASTENER
 from fabrication.parts.node import NODE
@@ -40,6 +41,7 @@ def family_masses(families: Sequence[Family], project: Project) -> dict[str, flo
     density = {
         BEAM.role: project.beam.density,
         NODE.role: project.node.density,
+        BASE.role: project.node.density,
         PANEL.role: project.panel.density,
         FASTENER.role: steel_density(),
     }

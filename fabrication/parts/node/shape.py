@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Protocol, Self, TypeVar
+from typing import Any, Final, Protocol, Self, TypeVar, runtime_checkable
 
 from fabrication.boundary import Boundary, Cut
 from fabrication.parts.node.boundary import SAME_AZIMUTH, node_geometry
@@ -141,18 +141,27 @@ class NodeShape:
         return name, self.z1 - self.z0
 
 
-class _Upright(Protocol):
+@runtime_checkable
+class Upright(Protocol):
     """A node that stands about z, with a mark in its top end."""
 
     @property
-    def z0(self) -> float: ...
+    def z0(self) -> float:
+        """Its bottom."""
+        ...
+
     @property
-    def z1(self) -> float: ...
+    def z1(self) -> float:
+        """Its top."""
+        ...
+
     @property
-    def mark(self) -> ReferenceMark | None: ...
+    def mark(self) -> ReferenceMark | None:
+        """The mark in its top."""
+        ...
 
 
-def ends_of(shape: _Upright) -> dict[str, Any]:
+def ends_of(shape: Upright) -> dict[str, Any]:
     """From the vertex to both ends, and the mark, as schedules list them."""
     found = {"above_mm": shape.z1, "below_mm": -shape.z0}
     if (mark := shape.mark) is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from ddgfab.mesh import Floats, Ints, Mesh
 from fabrication.gridshell.detailing.connections.base import Joined
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
-from fabrication.gridshell.pieces import Bolt, FastenerPiece
+from fabrication.gridshell.pieces import Anchor, Bolt, FastenerPiece
 from fabrication.parts.fastener import FASTENER
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def bolt_specs(
     return bolts
 
 
-def fastener_pieces(bolts: Sequence[Bolt]) -> tuple[FastenerPiece, ...]:
+def fastener_pieces(bolts: Sequence[Bolt | Anchor]) -> tuple[FastenerPiece, ...]:
     """Studs, bolts, nuts and washers where they sit, from the nodes outwards."""
     pieces: list[FastenerPiece] = []
     for bolt in bolts:

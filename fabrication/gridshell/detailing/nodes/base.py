@@ -144,6 +144,13 @@ class NodeSize(ABC):
             f'[connection] kind = "{joints.project.connection.kind}" needs them'
         )
 
+    def post(self, clearance: float) -> tuple[float, float]:
+        """Least and greatest radius [mm] that the end of a post at the bottom of a node may have.
+
+        Within the beams' cuts it meets no beam.
+        """
+        return 0.0, self.cut - clearance
+
     def ends(self, joints: Joints, bottom: Floats, top: Floats) -> tuple[Floats, Floats]:
         """Bottom and top (V,) [mm] of the nodes; given those that cover the ends of all arms."""
         return bottom, top

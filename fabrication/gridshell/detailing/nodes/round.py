@@ -99,6 +99,11 @@ class Cylinder(NodeSize):
         cut = seat + project.beam.clearance_mm
         return cls(radius, seat, cut, width, needed, forced_by)
 
+    def post(self, clearance: float) -> tuple[float, float]:
+        """On the end of a tube it overlaps the wall."""
+        least, most = super().post(clearance)
+        return (self.bore + LEAST_WALL if self.bore else least), most
+
     def misfit(self, joints: Joints | None = None) -> str:
         """Why a size does not do, or an empty string; with `joints` also for holes of its arms."""
         if self.radius < self.needed - RADIUS_SLACK:
