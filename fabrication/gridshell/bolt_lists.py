@@ -55,7 +55,7 @@ def bolt_rows(gridshell: Gridshell, families: Sequence[Family]) -> list[Row]:
             "node": bolt.node,
             "beam": bolt.beam,
             "beam_end": "end" if at_end else "start",
-            "size": connection.bolt,
+            "size": bolt.size,
             "class": connection.bolt_class,
         }
         kinds = Counter(mounted.shape.kind for mounted in bolt.mounted)

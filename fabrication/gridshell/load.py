@@ -10,8 +10,9 @@ from pydantic import ValidationError
 
 from ddgfab.forms.registry import ParameterError, find_generator, kinds
 from ddgfab.surfaces.analytic import SURFACES, surface_parameters
+from fabrication.gridshell.kind_settings import KindSection, NodeRule
 from fabrication.gridshell.net_settings import MESH, SURFACE, NetSettings
-from fabrication.gridshell.part_settings import BeamRule, NodeRule, NodeSettings
+from fabrication.gridshell.part_settings import BeamRule, ConnectionSettings, NodeSettings
 from fabrication.gridshell.project import Project
 from fabrication.project.load import explain, sections_in, show, unknown
 from fabrication.project.read import Changes, Origin, changed, read_toml
@@ -74,7 +75,7 @@ def _project(values: Mapping[str, Any], file: Path | None, origin: Origin) -> Pr
     for section in ("beam", "node"):
         if "bolt" in sections.get(section, {}):
             raise origin.error(
-                f"[{section}] bolt is not a setting: beam and node are joined by one rule, "
+                f"[{section}] bolt is not a setting: beams and nodes are joined by "
                 '[connection] kind = "stud" with bolt = "M12", or kind = "welded" without holes',
                 section,
                 "bolt",
@@ -106,13 +107,21 @@ def _project(values: Mapping[str, Any], file: Path | None, origin: Origin) -> Pr
 RULED: Final[dict[str, tuple[type[Section], str, str]]] = {
     "beam": (BeamRule, "profile", "the profile"),
     "node": (NodeRule, "", "what sizes nodes"),
+    "connection": (NodeRule, "", "how beams are joined there"),
 }
 """Sections that may stand several times, with rules for places: what a rule is, the key that it
 must have, and what it changes."""
 
 
+KINDS: Final[dict[str, type[KindSection]]] = {
+    "node": NodeSettings,
+    "connection": ConnectionSettings,
+}
+"""Those whose rules may have any key that is ruled."""
+
+
 def _with_rules(values: Mapping[str, Any], origin: Origin) -> dict[str, Any]:
-    """[[beam]] and [[node]] tables as one section each: that without `where`, the others as rules.
+    """Tables of `RULED` sections as one section each: that without `where`, the others as rules.
 
     Raises
     ------
@@ -143,7 +152,7 @@ def _ruled(section: str, tables: list[Mapping[str, Any]], origin: Origin) -> dic
             f"[[{section}]] rules: give each rule a [[{section}]] table of its own", section
         )
     rules = [dict(table) for table in tables if "where" in table]
-    known = model.keys() | (NodeSettings.ruled() if section == "node" else set())
+    known = model.keys() | (KINDS[section].ruled() if section in KINDS else set())
     for number, rule in enumerate(rules, 1):
         for key in rule:
             if key not in known:

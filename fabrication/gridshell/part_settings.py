@@ -5,16 +5,16 @@ A key's unit is in its name: _mm millimetres, _deg degrees, _percent percent.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Final, Literal, Protocol, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Final, Literal
 
-from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ddgfab.errors import ProjectError, clipped
-from ddgfab.suggest import suggestion
 from fabrication.gridshell.detailing.connections import registry as connections
 from fabrication.gridshell.detailing.nodes import registry as nodes
-from fabrication.gridshell.where import Edges, Rule, Vertices, shown
+from fabrication.gridshell.kind_settings import KindSection, Registry
+from fabrication.gridshell.where import Edges, Rule
 from fabrication.project.sections import Finite, NotNegative, Positive, Section
 from fabrication.specs import Profile
 from fabrication.standards import density, polygon, profile, stock_size
@@ -52,7 +52,8 @@ class BeamRule(_WithProfile, Rule):
 
     Attributes
     ----------
-    where : "boundary", "group:NAME" (a group of the mesh file), or edge numbers as in beams.csv
+    where : "boundary", "supports" (beams that end at those of [ground]), "group:NAME" (a group of
+        the mesh file), or edge numbers as in beams.csv
     profile : as in [beam]
     """
 
@@ -89,56 +90,7 @@ class BeamSettings(_WithProfile):
     density: Positive = density("steel")
 
 
-class _Registry(Protocol):
-    """Kinds by name, and the keys that are for some of them only."""
-
-    def names(self) -> tuple[str, ...]: ...
-    def kinds_of(self, key: str) -> Sequence[str]: ...
-
-
-class _WithKind(Section):
-    """A section whose kind stands in a registry; a key of other kinds is refused."""
-
-    registry: ClassVar[_Registry]
-
-    kind: str
-
-    @classmethod
-    def choices(cls) -> Mapping[str, Sequence[str]]:
-        """The kinds by name."""
-        return {"kind": cls.registry.names()}
-
-    @field_validator("kind")
-    @classmethod
-    def _known(cls, value: str) -> str:
-        names = cls.registry.names()
-        if value not in names:
-            raise ValueError(f'"{value}" is unknown; {suggestion(value, names)}')
-        return value
-
-    @model_validator(mode="after")
-    def _own_keys(self) -> Self:
-        for key in sorted(self.changed() - {"kind"}):
-            if (kinds := self.registry.kinds_of(key)) and self.kind not in kinds:
-                shown = " or ".join(f'"{kind}"' for kind in kinds)
-                raise ValueError(f'{key} is for kind = {shown}, not for "{self.kind}"')
-        return self
-
-
-class NodeRule(Rule):
-    """[[node]] with `where`: nodes of one place; any other key of [node] that sizes them.
-
-    Attributes
-    ----------
-    where : "boundary", "group:NAME" (a group of the mesh file), or vertex numbers as in nodes.csv
-    """
-
-    model_config = ConfigDict(extra="allow")
-
-    where: Vertices
-
-
-class NodeSettings(_WithKind):
+class NodeSettings(KindSection):
     """[node].
 
     Attributes
@@ -157,7 +109,8 @@ class NodeSettings(_WithKind):
     density : kg/m3; default steel, EN 1991-1-1
     """
 
-    registry: ClassVar[_Registry] = nodes
+    registry: ClassVar[Registry] = nodes
+    whole: ClassVar[frozenset[str]] = frozenset({"grade", "tolerances", "density"})
 
     kind: str = "cylinder"
     diameter_mm: Literal["auto"] | Positive = "auto"
@@ -170,41 +123,10 @@ class NodeSettings(_WithKind):
     height_step_mm: Positive = 1.0
     grade: str = ""
     tolerances: str = ""
-    rules: tuple[NodeRule, ...] = Field(default=(), strict=False)
     density: Positive = density("steel")
 
-    @classmethod
-    def ruled(cls) -> set[str]:
-        """The keys that a [[node]] table with `where` may have beside it."""
-        return cls.keys() - {"rules", "grade", "tolerances", "density"}
 
-    @model_validator(mode="after")
-    def _rules_hold(self) -> NodeSettings:
-        for number, rule in enumerate(self.rules, 1):
-            try:
-                self.under(rule)
-            except ValidationError as error:
-                first = error.errors(include_url=False)[0]
-                key = ".".join(map(str, first["loc"]))
-                text = str(first.get("ctx", {}).get("error", first["msg"]))
-                raise ValueError(
-                    f"rule {number} (where = {shown(rule.where)}): {key} {text}".replace("  ", " ")
-                ) from None
-        return self
-
-    def under(self, rule: NodeRule) -> NodeSettings:
-        """These settings with those of a rule; keys that its kind of node does not have go."""
-        own = self.model_dump(exclude={"rules"}, exclude_defaults=True)
-        kind = rule.own().get("kind", self.kind)
-        kept = {
-            key: value
-            for key, value in own.items()
-            if not (kinds := self.registry.kinds_of(key)) or kind in kinds
-        }
-        return type(self).model_validate({**kept, **rule.own()}, strict=None)
-
-
-class ConnectionSettings(_WithKind):
+class ConnectionSettings(KindSection):
     """[connection]: how beams are joined to nodes.
 
     Attributes
@@ -226,9 +148,11 @@ class ConnectionSettings(_WithKind):
     thread_mm : complete thread in the node; "auto": 1.5 bolt diameters where there is room, at
         least 1; through the wall of a tube
     fasteners : whether studs, bolts, nuts and washers are parts, with files, in the assembly
+    rules : nodes of one place; in a file [[connection]] tables, the first without `where`
     """
 
-    registry: ClassVar[_Registry] = connections
+    registry: ClassVar[Registry] = connections
+    whole: ClassVar[frozenset[str]] = frozenset({"bolt_class", "grade", "fasteners"})
 
     kind: str = "welded"
     weld_mm: Annotated[float, Field(ge=3.0, le=50.0)] = 4.0

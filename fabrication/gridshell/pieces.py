@@ -112,6 +112,7 @@ class Bolt:
     span : from where to where along the axis, from the point [mm], there are holes
     grip, thread : what it clamps, and the complete thread in the node [mm], None without
     depth : of its hole in the node [mm], None: through
+    size : of its thread, "M12"
     """
 
     mark: str
@@ -126,6 +127,7 @@ class Bolt:
     grip: float
     thread: float | None
     depth: float | None
+    size: str
 
     def named(self, mark: str) -> Bolt:
         """The same with a mark."""

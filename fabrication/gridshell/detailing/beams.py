@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -22,6 +23,9 @@ from fabrication.gridshell.pieces import Beam
 from fabrication.gridshell.project import Project
 from fabrication.parts.beam import BeamShape, CombEnd, CrossHole, EndCut, SlotEnd
 from fabrication.specs import Check
+
+ENDS: Final = ("stud", "end_plate")
+"""Kinds of connections whose ends go together on one bar."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +68,7 @@ def beam_specs(
     """
     _check_lengths(mesh, frames, cuts, sections, ends, project)
     _check_coped(frames, project)
+    _check_mixed(ends)
     placements = np.zeros((mesh.n_edges, 4, 4))
     placements[:, :3, 0], placements[:, :3, 1], placements[:, :3, 2] = frames.x, frames.y, frames.z
     origin = mesh.vertices[mesh.edges[:, 0]] + project.beam.eccentricity_mm * frames.z
@@ -179,6 +184,23 @@ def _check_coped(frames: EdgeFrames, project: Project) -> None:
         raise DetailError(
             f"beam {beam_mark(worst)} has torsion {np.degrees(frames.torsion[worst]):.2f} deg: a "
             'coped end needs the node axis in the plane of the beam\ntake [beam] end = "flat"'
+        )
+
+
+def _check_mixed(ends: Ends) -> None:
+    """Raise `DetailError` where the two ends of a beam cannot be made on one bar."""
+    bad = [
+        f"beam {beam_mark(e)} has {start.kind} at its start and {end.kind} at its end"
+        for e, (start, end) in enumerate(ends.joined)
+        if start.kind != end.kind
+        and "welded" not in (start.kind, end.kind)
+        and not {start.kind, end.kind} <= set(ENDS)
+    ]
+    if bad:
+        raise listed(
+            bad,
+            'one bar can have any kind of [[connection]] at one end and "welded" at the other, or '
+            f"{' and '.join(ENDS)}: give both ends of these beams one kind",
         )
 
 

@@ -148,8 +148,11 @@ def detail(
     frames = edge_frames(mesh, axes)
     arms = arms_of(mesh, axes, frames)
     sections = beam_sections(net, project)
-    rule_of = rules_of_nodes(net, project.node.rules)
-    places = joined_places(frames, arms, sections, project, rule_of)
+    rules = (
+        rules_of_nodes(net, project.node.rules),
+        rules_of_nodes(net, project.connection.rules, "connection"),
+    )
+    places = joined_places(frames, arms, sections, project, rules)
     ends = ends_of(places, mesh)
     cuts = end_cuts(frames, ends.cut, project.beam.eccentricity_mm)
     beams = beam_specs(mesh, frames, cuts, ends, sections, project)

@@ -25,11 +25,12 @@ from fabrication.parts.node.shape import Upright
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Nodes of one [[node]] table, or of none, with the arms of their beams.
+    """Nodes of one [[node]] and one [[connection]] table, or of none, with the arms of their beams.
 
     at : their arms in the structure's
     joints : all of these arms
     size : dimensions that these nodes share
+    rule : its [[connection]] rule, counted from 1; 0 without
     each : for every profile of their beams the joints, how they are joined, and which of the
         arms (A,) these are
     """
@@ -37,6 +38,7 @@ class Place:
     at: Ints
     joints: Joints
     size: NodeSize
+    rule: int
     each: tuple[tuple[Joints, Joined, Ints], ...]
 
     @property
@@ -79,30 +81,35 @@ class Ends:
 
 
 def joined_places(
-    frames: EdgeFrames, arms: Arms, sections: Sections, project: Project, rule_of: Ints
+    frames: EdgeFrames,
+    arms: Arms,
+    sections: Sections,
+    project: Project,
+    rules: tuple[Ints, Ints],
 ) -> tuple[Place, ...]:
-    """The nodes of each rule sized, and joined to their beams.
+    """The nodes of each pair of rules sized, and joined to their beams.
 
     Parameters
     ----------
-    rule_of : (V,) the [[node]] rule of each vertex, 0 without
+    rules : (V,) the [[node]] rule of each vertex, and its [[connection]] rule; 0 without
 
     Raises
     ------
     DetailError
         What nodes and connections raise.
     """
-    connection = connections.find(project.connection.kind).of(project)
+    of_node, of_joint = rules
     places = []
-    for number in np.unique(rule_of[arms.node]).tolist():
-        node = project.node.under(project.node.rules[number - 1]) if number else project.node
-        own_project = project.model_copy(update={"node": node})
-        own, at = arms.of(rule_of == number)
+    for first, second in np.unique(np.stack(rules)[:, arms.node], axis=1).T.tolist():
+        node, joint = project.node.of_rule(first), project.connection.of_rule(second)
+        own_project = project.model_copy(update={"node": node, "connection": joint})
+        connection = connections.find(joint.kind).of(own_project)
+        own, at = arms.of((of_node == first) & (of_joint == second))
         profile_of = sections.of_edge[own.edge]
         numbers = np.unique(profile_of).tolist()
         if len(numbers) > 1 and connection.discs(sections.profiles[numbers[0]]) is not None:
             raise DetailError(
-                f'[connection] kind = "{project.connection.kind}": the discs of a node have one '
+                f'[connection] kind = "{joint.kind}": the discs of a node have one '
                 f"distance, but beams {sections.profiles[numbers[0]].name} and "
                 f"{sections.profiles[numbers[1]].name} meet at {node_mark(_mixed(own, profile_of))}"
                 "\ntake one [beam] profile"
@@ -124,7 +131,7 @@ def joined_places(
         kind = find(node.kind)
         size = max((kind.fit(joints) for joints, _ in each), key=lambda found: found.radius)
         parts = tuple((joints, connection.fit(joints, size), mine) for joints, mine in each)
-        places.append(Place(at, each[0][0], size, parts))
+        places.append(Place(at, each[0][0], size, second, parts))
     return tuple(places)
 
 

@@ -136,10 +136,15 @@ def by_rule(
     rules: Sequence[Placed],
     count: int,
     section: str,
+    what: str,
     find: Callable[[Where, str], Ints],
     mark: Callable[[int], str],
 ) -> Ints:
     """(count,) the rule of each beam or node, counted from 1; 0 without.
+
+    Parameters
+    ----------
+    section, what : where the rules stand, and what they select: "beam" or "node"
 
     Raises
     ------
@@ -151,30 +156,30 @@ def by_rule(
         label = f"[[{section}]] rule {number}"
         chosen = find(rule.where, label)
         if not len(chosen):
-            raise DetailError(f"{label} (where = {shown(rule.where)}) selects no {section}")
+            raise DetailError(f"{label} (where = {shown(rule.where)}) selects no {what}")
         taken = chosen[rule_of[chosen] > 0]
         if len(taken):
             first = int(rule_of[taken[0]])
             raise DetailError(
                 f"[[{section}]] rules {first} (where = {shown(rules[first - 1].where)}) and "
-                f"{number} (where = {shown(rule.where)}) both select {section} "
+                f"{number} (where = {shown(rule.where)}) both select {what} "
                 f"{mark(int(taken[0]))}"
                 + (f" and {len(taken) - 1} more" if len(taken) > 1 else "")
-                + f": let each {section} have one"
+                + f": let each {what} have one"
             )
         rule_of[chosen] = number
     return rule_of
 
 
-def rules_of_nodes(net: Net, rules: Sequence[Placed]) -> Ints:
-    """(V,) the [[node]] rule of each vertex, counted from 1; 0 without.
+def rules_of_nodes(net: Net, rules: Sequence[Placed], section: str = "node") -> Ints:
+    """(V,) the [[node]] or [[connection]] rule of each vertex, counted from 1; 0 without.
 
     Raises
     ------
     DetailError
         As `by_rule`.
     """
-    return by_rule(rules, net.mesh.n_vertices, "node", net.vertices, node_mark)
+    return by_rule(rules, net.mesh.n_vertices, section, "node", net.vertices, node_mark)
 
 
 def rules_of_beams(net: Net, rules: Sequence[Placed]) -> Ints:
@@ -185,7 +190,7 @@ def rules_of_beams(net: Net, rules: Sequence[Placed]) -> Ints:
     DetailError
         As `by_rule`.
     """
-    return by_rule(rules, net.mesh.n_edges, "beam", net.edges, beam_mark)
+    return by_rule(rules, net.mesh.n_edges, "beam", "beam", net.edges, beam_mark)
 
 
 NO_GROUPS: Final = Groups()

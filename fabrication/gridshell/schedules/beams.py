@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from fabrication.formats.tables import Legend
-from fabrication.gridshell.detailing.connections.base import Tongue
+from fabrication.gridshell.detailing.connections.base import Joined, Tongue
 from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.schedules.common import (
     MARK,
@@ -145,6 +145,7 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
         offsets, joined = beam.offsets, beam.joined
         if relative_frame(beam, instance)[0, 0] < 0:  # turned end for end
             offsets = offsets[::-1]
+            joined = None if joined is None else joined[::-1]
             nodes, panels, roll = nodes[::-1], panels[::-1], [-roll[1], -roll[0]]
         torsion = (
             {
@@ -172,17 +173,23 @@ def beam_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
             "torsion_deg": float(np.degrees(beam.torsion)),
             **torsion,
             **details_of(family.shape),
-            **_slots(None if joined is None else joined[0].tongue),
+            **_slots(None if joined is None else joined[0].tongue or joined[1].tongue),
             "mass_kg": masses[family.number],
             "panel_left": panels[0],
             "panel_right": panels[1],
             "offset_start_mm": offsets[0],
             "offset_end_mm": offsets[1],
-            "connection": None if joined is None else joined[0].kind,
-            "weld_mm": None if joined is None else joined[0].weld,
+            "connection": None if joined is None else _joined_by(joined),
+            "weld_mm": None if joined is None else joined[0].weld or joined[1].weld,
         }
         rows[beam.mark] = {**row, **family.shape.dimensions()}
     return [rows[beam.mark] for beam in gridshell.beams]
+
+
+def _joined_by(ends: tuple[Joined, Joined]) -> str:
+    """The kind of connection of both ends, or of each."""
+    start, end = (how.kind for how in ends)
+    return start if start == end else f"{start} at the start, {end} at the end"
 
 
 def _slots(tongue: Tongue | None) -> Row:

@@ -100,9 +100,8 @@ def node_rows(gridshell: Gridshell, families: Sequence[Family], masses: Masses) 
     """Rows of the node schedule, by vertex; azimuths counterclockwise from the part's mark."""
     pieces = {node.mark: node for node in gridshell.nodes}
     most = max((len(node.arms) for node in gridshell.nodes), default=0)
-    size = gridshell.project.connection.bolt
     threads = {
-        (bolt.node, bolt.beam): f"{size} x {bolt.thread:g}"
+        (bolt.node, bolt.beam): f"{bolt.size} x {bolt.thread:g}"
         for bolt in gridshell.bolts
         if bolt.thread is not None
     }

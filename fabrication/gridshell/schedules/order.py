@@ -10,10 +10,12 @@ from fabrication.formats.tables import Legend
 from fabrication.gridshell.bolt_lists import class_of
 from fabrication.gridshell.detailing.connections import registry as connections
 from fabrication.gridshell.detailing.gridshell import Gridshell
+from fabrication.gridshell.detailing.joining import Place
 from fabrication.gridshell.detailing.nodes.base import Joints
-from fabrication.gridshell.part_settings import PanelSettings
+from fabrication.gridshell.part_settings import ConnectionSettings, PanelSettings
 from fabrication.gridshell.schedules.common import Detailed, Row
 from fabrication.gridshell.schedules.panels import EDGE_WORK
+from fabrication.gridshell.where import shown
 from fabrication.project.sections import Section, one_line
 from fabrication.standards.fasteners import property_class
 from fabrication.standards.ordering import (
@@ -155,19 +157,30 @@ def _nodes(gridshell: Gridshell) -> Iterator[Row]:
 
 
 def _connection(gridshell: Gridshell) -> Iterator[Row]:
-    connection = gridshell.project.connection
-    of = _About("connections", "connection", connection)
-    kind = connections.find(connection.kind)
-    yield of.row("kind", f"{connection.kind}: {kind.summary}", "kind")
-    throats = {how.weld for place in gridshell.places for _, how, _ in place.each}
-    if welds := sorted(weld for weld in throats if weld is not None):
-        found = ", ".join(f"{weld:g}" for weld in welds)
-        yield of.row("throat of fillet welds", f"{found} mm", "weld_mm")
+    whole = gridshell.project.connection
+    for number in dict.fromkeys(place.rule for place in gridshell.places):
+        places = [place for place in gridshell.places if place.rule == number]
+        where = f" at {shown(whole.rules[number - 1].where)}" if number else ""
+        yield from _connection_of(whole.of_rule(number), places, where)
     if not gridshell.bolts:
         return
-    yield of.row("thread", f"{connection.bolt}, coarse (ISO 261)", "bolt")
-    made = property_class(connection.bolt_class)
+    of, made = _About("connections", "connection", whole), property_class(whole.bolt_class)
     shapes = (mounted.shape for bolt in gridshell.bolts for mounted in bolt.mounted)
     classes = dict.fromkeys(f"{shape.kind}s {class_of(shape, made)}" for shape in shapes)
     yield of.row("property classes and hardness", ", ".join(classes), "bolt_class")
-    yield of.row("coating and tightening of fasteners", connection.grade, "grade")
+    yield of.row("coating and tightening of fasteners", whole.grade, "grade")
+
+
+def _connection_of(
+    connection: ConnectionSettings, places: Sequence[Place], where: str
+) -> Iterator[Row]:
+    """Statements about the connections of one rule."""
+    of = _About(f"connections{where}", "connection", connection)
+    kind = connections.find(connection.kind)
+    yield of.row("kind", f"{connection.kind}: {kind.summary}", "kind")
+    throats = {how.weld for place in places for _, how, _ in place.each}
+    if welds := sorted(weld for weld in throats if weld is not None):
+        found = ", ".join(f"{weld:g}" for weld in welds)
+        yield of.row("throat of fillet welds", f"{found} mm", "weld_mm")
+    if any(how.mounted for place in places for _, how, _ in place.each):
+        yield of.row("thread", f"{connection.bolt}, coarse (ISO 261)", "bolt")

@@ -12,7 +12,8 @@ import numpy as np
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Cut, Tool, Vec
 from fabrication.parts.beam.comb import combed_faces
-from fabrication.parts.beam.end_plate import plated_faces
+from fabrication.parts.beam.end_plate import check_plates, plate_faces
+from fabrication.parts.beam.end_plate import inner_end as bar_end
 from fabrication.parts.beam.slot import slotted_faces
 from fabrication.parts.beam.stud import (
     HAND_HOLE_WELD,
@@ -206,32 +207,34 @@ def beam_boundary(shape: BeamShape) -> Boundary:
             side_holes.setdefault(face_in, []).append(loop_in)
             side_holes.setdefault(face_out, []).append(loop_out)
     start, end = ends_of(shape)
-    if shape.start.plate is not None or shape.end.plate is not None:
-        plated_faces(builder, frame, shape, loops, side_holes)
-    elif shape.start.stud is None and shape.end.stud is None:
-        sweep(builder, frame, loops, start, end, side_holes)
+    if any(cut.plate or cut.stud for cut in (shape.start, shape.end)):
+        _ended(builder, shape, loops, side_holes)
     else:
-        _studded(builder, shape, loops, side_holes)
+        sweep(builder, frame, loops, start, end, side_holes)
     return builder.build()
 
 
-def _studded(
+def _ended(
     builder: BoundaryBuilder,
     shape: BeamShape,
     loops: list[list[Segment]],
     side_holes: dict[tuple[int, int], list[Coedges]],
 ) -> None:
-    """Faces of a beam with stud ends: those of a hollow section are closed by plates."""
+    """Faces of a beam with studs or plates at its ends.
+
+    A bar ends at the inner face of its plate; a hollow section is closed there, and at its studs.
+    """
     check_studs(shape, loops)
+    check_plates(shape, loops)
     hollow = len(loops) > 1
     outer, inner = list(ends_of(shape)), list(ends_of(shape))
-    holes: list[StudHole | None] = []
+    holes: list[StudHole | None] = [None, None]
     for k, (cut, outward) in enumerate(((shape.start, -1.0), (shape.end, 1.0))):
+        if cut.plate is not None:
+            outer[k] = inner[k] = bar_end(cut, outward)
         if cut.stud is None:
-            holes.append(None)
             continue
-        hole = stud_hole(builder, cut, outward)
-        holes.append(hole)
+        hole = holes[k] = stud_hole(builder, cut, outward)
         if hollow:
             hollow_opening(builder, cut, outward, loops, shape.profile.name, side_holes)
             inner[k] = inner_end(cut, outward)
@@ -248,9 +251,13 @@ def _studded(
                 ends[k].face(builder, frame, [ring, hole_here.inner], cavity=True)
             else:
                 faces[k].append(ring)
-    for k, hole_here in enumerate(holes):
-        mouths = [] if hole_here is None else [hole_here.mouth]
-        outer[k].face(builder, frame, [*faces[k], *mouths])
+    for k, (cut, outward) in enumerate(((shape.start, -1.0), (shape.end, 1.0))):
+        hole_here = holes[k]
+        if cut.plate is not None:
+            plate_faces(builder, frame, cut, outward, outer[k], faces[k])
+        else:
+            mouths = [] if hole_here is None else [hole_here.mouth]
+            outer[k].face(builder, frame, [*faces[k], *mouths])
 
 
 def opening_sides(

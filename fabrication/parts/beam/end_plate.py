@@ -16,13 +16,11 @@ from fabrication.boundary import Vec
 from fabrication.parts.beam.stud import along
 from fabrication.solids.builder import BoundaryBuilder, Coedges, add, scale
 from fabrication.solids.section import Segment, distance_to
-from fabrication.solids.sweep import End, Frame, walls
+from fabrication.solids.sweep import End, Frame
 from fabrication.variants import key_of
 
 if TYPE_CHECKING:
     from fabrication.parts.beam.shape import BeamShape, EndCut, PlateEnd
-
-SideHoles = dict[tuple[int, int], list[Coedges]]
 
 
 def plate_key(plate: PlateEnd) -> Hashable:
@@ -71,37 +69,7 @@ def plate_details(plate: PlateEnd, low: float, name: str) -> dict[str, Any]:
     }
 
 
-def plated_faces(
-    builder: BoundaryBuilder,
-    frame: Frame,
-    shape: BeamShape,
-    loops: list[list[Segment]],
-    side_holes: SideHoles,
-) -> None:
-    """All faces of a beam with a plate at one or both ends.
-
-    Raises
-    ------
-    DetailError
-        A plate that does not cover the bar, holes that leave it or run into the bar.
-    """
-    ends = [inner_end(shape.start, -1.0), inner_end(shape.end, 1.0)]
-    check_plates(shape, loops)
-    rings: list[list[Coedges]] = [[], []]
-    for i, loop in enumerate(loops):
-        own = {k: inside for (j, k), inside in side_holes.items() if j == i}
-        for side, ring in enumerate(walls(builder, frame, loop, ends[0], ends[1], own)):
-            rings[side].append(ring)
-    for cut, outward, end, around in zip(
-        (shape.start, shape.end), (-1.0, 1.0), ends, rings, strict=True
-    ):
-        if cut.plate is None:
-            end.face(builder, frame, around)
-        else:
-            _plate(builder, frame, cut, outward, end, around)
-
-
-def _plate(
+def plate_faces(
     builder: BoundaryBuilder,
     frame: Frame,
     cut: EndCut,
@@ -109,7 +77,7 @@ def _plate(
     end: End,
     around: list[Coedges],
 ) -> None:
-    """Faces of a plate whose inner face has the outlines of the bar on it."""
+    """Faces of a plate whose inner face has the outlines of the bar, `around`, on it."""
     plate = cut.plate
     assert plate is not None
     (ix, iz), (ux, uz) = along(cut, outward)

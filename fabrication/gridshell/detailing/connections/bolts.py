@@ -91,6 +91,7 @@ def bolt_specs(
                         joined.grip,
                         joined.thread,
                         joined.depth,
+                        joints.project.connection.bolt,
                     ),
                 )
             )

@@ -131,7 +131,7 @@ class EndPlate(Connection):
             See `Connection.check`.
         """
         check_square(joints, "end_plate", "an end plate")
-        slope = float(np.abs(joints.frames.slope).max())
+        slope = float(np.abs(joints.frames.slope[joints.own]).max())
         found = self._misfit(joints.profile, slope)
         if not found:
             return
@@ -150,7 +150,7 @@ class EndPlate(Connection):
             See `Connection.fit`.
         """
         profile, m = joints.profile, self.size
-        slope = float(np.abs(joints.frames.slope).max())
+        slope = float(np.abs(joints.frames.slope[joints.own]).max())
         holes = self.drilling(profile)
         found = threaded(joints, size, m, holes, self.clearance, self.plates, self.fastener)
         plate = found.plate

@@ -93,7 +93,7 @@ class Stud(Connection):
             See `Connection.check`.
         """
         check_square(joints, "stud", "a stud")
-        slope = float(np.abs(joints.frames.slope).max())
+        slope = float(np.abs(joints.frames.slope[joints.own]).max())
         found = _misfit(self.size, joints.profile)
         if found:
             smaller = [s for s in fasteners() if s.diameter < self.size.diameter]
@@ -125,7 +125,7 @@ class Stud(Connection):
             0.5 * (low + high), bolt_size.hole, found.plate, opening, bolt_size.wrench, CORNER
         )
         self._check_strips(joints, end)
-        stretch = np.hypot(1.0, joints.frames.slope).max()
+        stretch = np.hypot(1.0, joints.frames.slope[joints.own]).max()
         lean = bolt_size.wrench * (stretch**2 - 1.0) ** 0.5
         taken = (found.plate + opening + CORNER) * stretch + lean
         return Joined(

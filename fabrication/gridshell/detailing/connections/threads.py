@@ -162,7 +162,7 @@ def check_square(joints: Joints, kind: str, what: str) -> None:
             f'[connection] kind = "{kind}" needs flat ends, not [beam] end = "cope": the plate at '
             "the end of a beam lies flat on its seat"
         )
-    skew = np.abs(joints.frames.skew).max(axis=1)
+    skew = np.where(joints.own, np.abs(joints.frames.skew), 0.0).max(axis=1)
     if skew.any():
         worst = int(skew.argmax())
         raise DetailError(

@@ -120,8 +120,8 @@ class BoltedTongue(Connection):
             raise DetailError(
                 '[connection] kind = "bolted_tongue" needs flat ends, not [beam] end = "cope"'
             )
-        if frames.twisted:
-            worst = int(frames.torsion.argmax())
+        if np.abs(frames.roll[joints.own]).any():
+            worst = int(np.where(joints.own.any(axis=1), frames.torsion, -1.0).argmax())
             raise DetailError(
                 f"beam {beam_mark(worst)} has torsion {np.degrees(frames.torsion[worst]):.2f} deg: "
                 "a tongue needs both node axes in the plane of the beam, 0\n"
@@ -168,7 +168,7 @@ class BoltedTongue(Connection):
             )
         length, shank = found
         tongue = self.tongue(joints.profile)
-        stretch = float(np.hypot(1.0, joints.frames.slope).max())
+        stretch = float(np.hypot(1.0, joints.frames.slope[joints.own]).max())
         lean = (stretch**2 - 1.0) ** 0.5 * joints.profile.depth
         return Joined(
             "bolted_tongue",
