@@ -11,6 +11,7 @@ from typing import Final
 
 from ddgfab.errors import InputError, clipped
 from ddgfab.io.atomic import atomic_write
+from ddgfab.io.regular import read_regular
 from fabrication.formats.base import Contents, Format, Whole
 from fabrication.formats.report import FileReport
 from fabrication.formats.tables import (
@@ -26,6 +27,15 @@ from fabrication.specs import Check
 
 COLUMNS: Final = f"{SCHEDULES}/columns.csv"
 """File with unit and meaning of every column of every schedule."""
+
+LIMIT_BYTES: Final = 128 * 1024 * 1024
+"""Larger files are refused."""
+
+COLUMNS_MOST: Final = 16_384
+"""Tables of more columns are refused; spreadsheets have no more."""
+
+SHOWN: Final = 100
+"""So many lines of the wrong length are named one by one."""
 
 
 class Csv(Format):
@@ -136,30 +146,33 @@ def inspect_csv(path: Path) -> FileReport:
     InputError
         Missing, not UTF-8, or without a header.
     """
+    data = read_regular(path, LIMIT_BYTES, InputError, what="a CSV file", advice="split the table")
+    count, wrong, uneven = 0, 0, []
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file, strict=True)
-            rows = [(reader.line_num, row) for row in reader]
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", file=str(path)) from error
+        text = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
+        reader = csv.reader(text, strict=True)
+        header = next(reader, None)
+        if not header:
+            raise InputError("has no header", file=str(path))
+        if len(header) > COLUMNS_MOST:
+            raise InputError(f"has {len(header)} columns; {COLUMNS_MOST} are read", file=str(path))
+        for row in reader:
+            count += 1
+            wrong += len(row) != len(header)
+            if len(row) != len(header) and wrong <= SHOWN:
+                uneven.append(f"line {reader.line_num} has {len(row)} cells, not {len(header)}")
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"not a CSV in UTF-8 ({error})", file=str(path)) from error
-    if not rows or not rows[0][1]:
-        raise InputError("has no header", file=str(path))
-    header, found = rows[0][1], rows[1:]
     problems = [f"column {at} has no name" for at, name in enumerate(header, 1) if not name]
     problems += [
-        f'{count} columns are named "{name}"'
-        for name, count in Counter(header).items()
-        if name and count > 1
+        f'{often} columns are named "{name}"'
+        for name, often in Counter(header).items()
+        if name and often > 1
     ]
-    problems += [
-        f"line {line} has {len(row)} cells, not {len(header)}"
-        for line, row in found
-        if len(row) != len(header)
-    ]
+    problems += uneven
+    problems += [f"{wrong} lines have more or fewer cells"] if wrong > SHOWN else []
     contents = ", ".join(
-        f"{count} {what}{'' if count == 1 else 's'}"
-        for count, what in ((len(found), "row"), (len(header), "column"))
+        f"{number} {what}{'' if number == 1 else 's'}"
+        for number, what in ((count, "row"), (len(header), "column"))
     )
     return FileReport(str(path), "CSV", contents, tuple(problems), sound="every row complete")

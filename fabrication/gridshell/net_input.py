@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -13,6 +13,7 @@ from ddgfab.errors import InputError
 from ddgfab.forms.generators import GENERATORS
 from ddgfab.forms.registry import find_generator, generate
 from ddgfab.io import SHORTEST_MEDIAN_MM, Groups, ReadResult, likely_setting, unlikely_size
+from ddgfab.io.regular import unchanged
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.support import SupportKind
 from ddgfab.surfaces.spline import SplineSurface
@@ -69,13 +70,15 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
         Parameters of a generated net that fit their limits but not each other; names the cell.
     """
     named: Path | None = None
+    digest: str | None = None
     if mesh is None and project.net.kind == SURFACE:
         return _traced(project)
     if mesh is None and project.net.kind != MESH:
         folder = Path() if project.file is None else project.file.parent
-        mesh = generate(project.net.kind, project.net.parameters, folder)
         for name in find_generator(project.net.kind).files(project.net.parameters):
             named = folder / project.net.parameters[name]
+        with nullcontext() if named is None else unchanged(named) as digest:
+            mesh = generate(project.net.kind, project.net.parameters, folder)
     path = project.mesh_path
     read = _read(project, path) if mesh is None and path is not None else None
     if read is not None:
@@ -93,7 +96,6 @@ def load_net(project: Project, mesh: Mesh | None = None) -> NetInput:
             file=file,
         )
     if named is not None:
-        digest = hashlib.sha256(named.read_bytes()).hexdigest()
         return NetInput(mesh.scaled(factor), str(named), digest, _notes(project))
     if read is None:
         return NetInput(mesh.scaled(factor), None, None, _notes(project))
@@ -121,13 +123,12 @@ def _size(project: Project, median_mm: float, factor: float, stated: str | None)
 
 def _traced(project: Project) -> NetInput:
     """The net traced on the project's surface."""
-    found = traced_net(project)
+    path = project.mesh_path
+    with nullcontext() if path is None else unchanged(path) as digest:
+        found = traced_net(project)
     name = found.surfaces[0].name if len(found.surfaces) == 1 else f"{len(found.surfaces)} patches"
     notes = tuple(f"net traced on {name}: {row}" for row in found.remarks())
-    path = project.mesh_path
-    file, digest = None, None
-    if path is not None:
-        file, digest = str(path), hashlib.sha256(path.read_bytes()).hexdigest()
+    file = None if path is None else str(path)
     groups = tag_groups(found.mesh, found.tag)
     return NetInput(
         found.mesh, file, digest, notes, None, found.surfaces, found.reference, groups=groups

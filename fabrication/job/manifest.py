@@ -19,6 +19,7 @@ import numpy as np
 
 from ddgfab.errors import InputError
 from ddgfab.io.atomic import atomic_write
+from ddgfab.io.regular import read_regular
 from ddgfab.mesh import Floats
 from fabrication.formats.base import Part
 from fabrication.specs import Check, Family, Placement
@@ -32,6 +33,9 @@ UNLISTED: Final = frozenset({MANIFEST, RUN})
 FORMAT_VERSION: Final = 1
 GENERATOR: Final = "ddgfab"
 """What marks a manifest, and so a folder, as ours."""
+
+LIMIT_BYTES: Final = 1 << 30
+"""A larger manifest is none of ours."""
 
 PLACEMENT_DIGITS: Final = 12
 """Decimals of placements [1 and mm] in the manifest."""
@@ -227,8 +231,8 @@ def read_manifest(path: Path) -> dict[str, Any]:
         Missing, no JSON, or not written by ddgfab.
     """
     try:
-        manifest = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        manifest = json.loads(_text(path))
+    except (InputError, ValueError, RecursionError) as error:
         raise InputError(f"no readable manifest ({error})", file=str(path)) from error
     if (
         not isinstance(manifest, dict)
@@ -242,11 +246,16 @@ def read_manifest(path: Path) -> dict[str, Any]:
 def made_from(folder: Path) -> dict[str, Any] | None:
     """What the result in a folder was made from; None where nothing readable says so."""
     try:
-        record = json.loads((folder / RUN).read_text("utf-8"))
-    except (OSError, ValueError, RecursionError):
+        record = json.loads(_text(folder / RUN))
+    except (InputError, ValueError, RecursionError):
         return None
     found = record.get("made_from") if isinstance(record, dict) else None
     return found if isinstance(found, dict) else None
+
+
+def _text(path: Path) -> str:
+    """A record in a folder: a regular file, as others may have put a pipe in its place."""
+    return read_regular(path, LIMIT_BYTES, InputError, what="a file of JSON").decode("utf-8")
 
 
 def listed(folder: Path) -> dict[str, dict[str, Any]]:

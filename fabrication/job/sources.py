@@ -7,15 +7,16 @@ folder can be moved or mounted elsewhere; files that were moved alone are known 
 
 from __future__ import annotations
 
-import hashlib
 import os
-import stat
 import unicodedata
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Any
+
+from ddgfab.errors import InputError
+from ddgfab.io.regular import digest_regular
 
 PROJECT, INPUT = "project", "input"
 
@@ -37,6 +38,14 @@ class Sources:
             name: None if path is None else {"file": _seen(path, target), "sha256": _digest(path)}
             for name, path in self._named()
         }
+
+    def changes(self, record: Mapping[str, Any]) -> list[str]:
+        """Notes on the files whose content is not that of an earlier record any more."""
+        return [
+            f"{_shown(path)} was changed while the job ran: the files are of what it held before"
+            for name, path in self._named()
+            if path is not None and _digest(path) != record[name]["sha256"]
+        ]
 
     def match(self, record: Mapping[str, Any], target: Path) -> bool:
         """Whether a record of an output folder is one of this project.
@@ -104,10 +113,8 @@ def _seen(path: Path, target: Path) -> str:
 
 def _digest(path: Path) -> str | None:
     """Sha256 of a file; None where it cannot be read."""
-    with suppress(OSError, ValueError):
-        if stat.S_ISREG(path.stat().st_mode):
-            with path.open("rb") as stream:
-                return hashlib.file_digest(stream, "sha256").hexdigest()
+    with suppress(InputError):
+        return digest_regular(path)
     return None
 
 

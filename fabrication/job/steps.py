@@ -59,6 +59,7 @@ class Steps:
         self.formats = [format for format in formats if format.writes_whole()]
         self.libraries = [name for format in formats for name in format.libraries]
         self.pool, self.progress = pool, progress
+        self.sources = product.sources.record(target)
         self.seconds: dict[str, float] = dict(product.seconds)
         self.warnings: list[str] = []
         self.unwritten: set[str] = set()
@@ -268,9 +269,9 @@ class Steps:
                 extra += found
                 lines += lines_of(found)
         self.progress("manifest", 0, 0)
+        self.warnings += self.product.sources.changes(self.sources)
         manifest = self._manifest(whole.failed, checks, extra, problems)
-        sources = self.product.sources.record(self.target)
-        write_run(self.shop.folder / RUN, sources, self.seconds)
+        write_run(self.shop.folder / RUN, self.sources, self.seconds)
         write_manifest(self.shop.folder / MANIFEST, manifest)
         return JobResult(self.target, manifest, tuple(lines), tuple(self.warnings), self.seconds)
 

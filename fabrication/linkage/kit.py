@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ddgfab.errors import InputError
+from ddgfab.io.regular import unchanged
 from ddgfab.linkages import Mechanism
 from ddgfab.mesh import Floats
 from fabrication.linkage.links import Linkage
@@ -48,6 +50,7 @@ class Kit:
     mechanism : hinges and bars, and their kinematics
     moved : the linkage in parts with its certified free motion, and what was tried to widen it
     printed, plates : what is printed, and what stands where on the print plates
+    digest : sha256 of the mesh of a K-net, or of the project file, that it was made from
     """
 
     project: KitProject
@@ -56,6 +59,7 @@ class Kit:
     printed: Sequence[Printed]
     plates: tuple[Plate, ...]
     seconds: Mapping[str, float]
+    digest: str | None = None
 
     @property
     def name(self) -> str:
@@ -317,7 +321,8 @@ def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
 
     report("mechanism", 0, 0)
     begin = time.perf_counter()
-    mechanism = project.mechanism()
+    with nullcontext() if project.source is None else unchanged(project.source) as digest:
+        mechanism = project.mechanism()
     lap("mechanism", begin)
     report("parts and free motion", 0, 0)
     begin = time.perf_counter()
@@ -330,4 +335,4 @@ def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
     meshes = {f.number: mesh_of(f.shape, PRINTED_CHORD_MM) for f in families}
     printed, filled = laid_out(families, meshes, found.linkage.settings, project.printer.bed())
     lap("print plates", begin)
-    return Kit(project, mechanism, found, printed, filled, seconds)
+    return Kit(project, mechanism, found, printed, filled, seconds, digest)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from typing import Any
@@ -108,9 +107,8 @@ class KitProduct(Product):
     def facts(self) -> dict[str, Any]:
         """Input, settings, mechanism and motion."""
         path = self.kit.project.source
-        digest = None if path is None else hashlib.sha256(path.read_bytes()).hexdigest()
         return {
-            "input": {"file": None if path is None else str(path), "sha256": digest},
+            "input": {"file": None if path is None else str(path), "sha256": self.kit.digest},
             "settings": self.kit.project.settings,
             "net": self.kit.facts(),
         }

@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from ddgfab.errors import InputError, clipped
+from ddgfab.io.regular import read_regular
 from ddgfab.io.units import FACTORS
 from ddgfab.mesh import Floats
 
@@ -45,12 +46,9 @@ def read_curves(path: Path) -> list[Floats]:
             f'unknown kind of curve file "{suffix}"; known: {", ".join(CURVE_SUFFIXES)}',
             file=str(path),
         )
-    try:
-        if path.stat().st_size > _MOST_BYTES:
-            raise InputError("is larger than 64 MiB: curves only, please", file=str(path))
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", file=str(path)) from None
+    data = read_regular(
+        path, _MOST_BYTES, InputError, what="a file of curves", advice="curves only, please"
+    )
     curves = {".dxf": _dxf, ".obj": _obj, ".csv": _csv}[suffix](data, str(path))
     if not curves:
         raise InputError(

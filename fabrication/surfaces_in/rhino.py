@@ -11,6 +11,8 @@ from typing import Any, Final
 import numpy as np
 
 from ddgfab.errors import InputError, clipped
+from ddgfab.io.load import LIMIT_BYTES
+from ddgfab.io.regular import read_regular
 from ddgfab.io.units import FACTORS
 from ddgfab.mesh import Floats
 from ddgfab.surfaces.nearest import nearest_points
@@ -73,10 +75,9 @@ def read_rhino_surfaces(path: Path, faces: FaceChoice = None) -> list[SplineSurf
 
 def _read(path: Path) -> dict[str, Any]:
     require_reader(str(path))
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", file=str(path)) from None
+    data = read_regular(
+        path, LIMIT_BYTES, InputError, what="a Rhino file", advice="export the surfaces alone"
+    )
     return in_child(data, str(path), __name__)
 
 

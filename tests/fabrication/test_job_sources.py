@@ -190,3 +190,22 @@ def test_a_name_that_is_not_utf_8_is_a_record_too(tmp_path: Path) -> None:
     json.loads((tmp_path / "out" / "run.json").read_bytes())
     with pytest.raises(OtherProjectError):
         job(tmp_path / "out", "two", Sources(None, tmp_path / "b" / name))
+
+
+@pytest.mark.parametrize("change", [Path.unlink, lambda path: path.write_text("half a mesh")])
+def test_an_input_that_changes_while_the_job_runs_is_noted(change: Any, tmp_path: Path) -> None:
+    mesh, target = tmp_path / "roof.obj", tmp_path / "out"
+    write_obj(mesh, barrel(1, 2))
+    made = design(mesh, output={"formats": ["csv"]}, checks={"verify": "none"})
+    record = made.product().sources.record(target)
+
+    def progress(step: str, done: int, of: int) -> None:
+        if step == "clearances":
+            change(mesh)
+
+    result = make(made, target, progress=progress)
+    assert [n for n in result.manifest["notes"] if "roof.obj was changed while the job ran" in n]
+    assert made_from(target) == record
+    write_obj(mesh, barrel(1, 2))
+    again = make(design(mesh, output={"formats": ["csv"]}, checks={"verify": "none"}), target)
+    assert not [note for note in again.manifest["notes"] if "was changed" in note]
