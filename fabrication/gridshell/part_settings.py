@@ -137,7 +137,7 @@ class ConnectionSettings(KindSection):
         kind = "plates" in slots across timber bars) or "bolted_tongue" (the
         plates of [node] kind = "star" in slots of flat bars, two bolts in double shear)
     weld_mm : throat thickness of the fillet weld, 3 or more (EN 1993-1-8, 4.5.2): of beams to
-        nodes, or of plates to hollow sections
+        nodes, of plates to hollow sections, of discs to the cores of nodes
     bolt : size of studs and bolts
     bolt_class : their property class (ISO 898-1, ISO 3506-1); nuts and washers go with it
     grade : for the order: coating of the fasteners, tightening

@@ -18,6 +18,7 @@ from fabrication.gridshell.design import Design
 from fabrication.gridshell.remedies import remedies
 from fabrication.gridshell.room import CHORD_MM, gaps_kept
 from fabrication.gridshell.schedules import CONVENTIONS, schedules
+from fabrication.gridshell.schedules.order import tolerances
 from fabrication.job.problems import FailedCheck
 from fabrication.job.product import Product
 from fabrication.job.whole import PREVIEW
@@ -62,13 +63,14 @@ class GridshellProduct(Product):
         self.title = design.project.project.block(self.name, self.output.author)
 
     def material(self, role: Role) -> Material:
-        """Steel and glass, of the densities in the project."""
+        """Steel and glass, of densities and tolerances in the project."""
         project = self.design.project
+        limits = tolerances(project)
         return {
-            BEAM.role: Material(project.beam.material, project.beam.density),
-            NODE.role: Material("Steel", project.node.density),
-            BASE.role: Material("Steel", project.node.density),
-            PANEL.role: Material("Glass", project.panel.density),
+            BEAM.role: Material(project.beam.material, project.beam.density, limits[BEAM.role]),
+            NODE.role: Material("Steel", project.node.density, limits[NODE.role]),
+            BASE.role: Material("Steel", project.node.density, limits[NODE.role]),
+            PANEL.role: Material("Glass", project.panel.density, limits[PANEL.role]),
             FASTENER.role: Material("Steel", steel_density()),
         }[role]
 

@@ -16,7 +16,7 @@ import numpy as np
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Vec
 from fabrication.solids.builder import BoundaryBuilder, Coedges
-from fabrication.solids.plate import Plate
+from fabrication.solids.plate import Blank, Plate
 from fabrication.solids.section import segments
 from fabrication.solids.sweep import End, walls
 from fabrication.specs import Kind, Loop
@@ -113,6 +113,15 @@ class BaseShape:
         holes = [Loop(np.array([(x + r, y), (x - r, y)]), turns) for x, y in self.places]
         outline = Loop(np.array(_corners(self)), np.zeros(4))
         return Plate(self.thickness, (outline, *holes), rest=self._post())
+
+    def blanks(self) -> list[Blank]:
+        """The plate."""
+        return [Blank("base plate", self.thickness, self.width, self.width)]
+
+    def bars(self) -> list[tuple[str, float]]:
+        """The round bar of the post, and the length to saw, over all [mm]."""
+        over_all = self.length + self.radius * math.tan(self.lean)
+        return [(f"round {2 * self.radius:g}", over_all)]
 
     def dimensions(self) -> dict[str, Any]:
         """Plate, holes and post."""

@@ -19,7 +19,8 @@ from fabrication.parts.node import NODE, ReferenceMark
 from fabrication.parts.node.shape import ends_of, turn_between
 from fabrication.parts.star import at, gaps
 from fabrication.solids.builder import BoundaryBuilder, Coedges
-from fabrication.solids.plate import Plate
+from fabrication.solids.plate import Blank, Plate
+from fabrication.solids.polygon import least_rectangle
 from fabrication.solids.section import Segment, segments
 from fabrication.solids.sweep import End, walls
 from fabrication.specs import Kind, Loop
@@ -125,6 +126,11 @@ class SpoolShape:
             Loop(np.array([(x + radius, y), (x - radius, y)]), turns) for x, y in self._places()
         ]
         return Plate(self.thickness, (_outline(self), *holes), count=2, rest=self._beside_discs())
+
+    def blanks(self) -> list[Blank]:
+        """Both discs."""
+        small, large = least_rectangle(_outline(self).points).tolist()
+        return [Blank("disc of a node", self.thickness, small, large)] * 2
 
     def _places(self) -> list[tuple[float, float]]:
         """The middles of all holes."""

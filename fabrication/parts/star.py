@@ -20,6 +20,7 @@ from fabrication.boundary import Boundary, Vec
 from fabrication.parts.node import NODE, ReferenceMark
 from fabrication.parts.node.shape import ends_of, turn_between
 from fabrication.solids.builder import BoundaryBuilder, Coedges
+from fabrication.solids.plate import Blank
 from fabrication.solids.section import segments
 from fabrication.solids.sweep import End, sweep
 from fabrication.specs import Kind, Loop
@@ -140,6 +141,11 @@ class StarShape:
     def details(self) -> dict[str, Any]:
         """Where its ends and the mark are."""
         return ends_of(self)
+
+    def blanks(self) -> list[Blank]:
+        """A plate for each arm, from the axis outwards."""
+        small, large = sorted((self.z1 - self.z0, self.length))
+        return [Blank("plate of a star", self.thickness, small, large)] * len(self.azimuths)
 
     def arm(self, azimuth: float | None) -> dict[str, Any]:
         """Holes of the plate in a direction [rad], from the axis outwards; None where none is."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol, runtime_checkable
 
@@ -38,6 +39,29 @@ class Plate:
     other: tuple[Loop, ...] = ()
     count: int = 1
     rest: float = 0.0
+
+
+@dataclass(frozen=True, order=True)
+class Blank:
+    """A rectangle of plate that a piece of a part is cut from [mm].
+
+    use : what the piece is
+    width, height : smaller and larger side of the least rectangle round it
+    """
+
+    use: str
+    thickness: float
+    width: float
+    height: float
+
+
+@runtime_checkable
+class FromPlate(Protocol):
+    """A shape with pieces that are cut from plate."""
+
+    def blanks(self) -> Sequence[Blank]:
+        """What each of them is cut from."""
+        ...
 
 
 @runtime_checkable

@@ -68,6 +68,10 @@ def test_lists_fit_each_other(kind: str, tmp_path: Path) -> None:
     assert shop_lists.wrong_bolts(lists) == []
     assert shop_lists.wrong_panes(lists) == []
     assert ("bolts" in lists) == (kind != "welded")
+    plates = sum(int(row["quantity"]) for row in lists.get("plates", []))
+    arms = sum(int(row["valence"]) for row in lists["nodes"])
+    wanted = {"end_plate": arms, "bolted_tongue": arms, "slotted": 2 * len(lists["nodes"])}
+    assert plates == wanted.get(kind, 0)
 
 
 @pytest.fixture(scope="module")

@@ -29,6 +29,7 @@ from fabrication.gridshell.schedules import (
     nodes,
     order,
     panels,
+    plates,
 )
 from fabrication.gridshell.schedules.bases import base_rows
 from fabrication.gridshell.schedules.beams import beam_rows
@@ -39,6 +40,7 @@ from fabrication.gridshell.schedules.joints import joint_rows, strip_rows
 from fabrication.gridshell.schedules.nodes import node_rows
 from fabrication.gridshell.schedules.order import order_rows
 from fabrication.gridshell.schedules.panels import panel_rows
+from fabrication.gridshell.schedules.plates import plate_rows
 from fabrication.parts.base import BASE
 from fabrication.parts.beam import BEAM
 from fabrication.parts.fastener import FastenerShape
@@ -94,8 +96,8 @@ def schedules(
 
     "order" (what holds for all parts of a kind), "bom", "panels", "beams" and "nodes", and where
     there are such: "sizes" of panes, "joints" between them and "strips" along these, "bars" (the
-    cut list) and "stock", "bases" (base plates), "bolts", "anchors", "fasteners" and "costs".
-    Families are found, and masses computed from the shapes, where they are not given.
+    cut list) and "stock", "plates", "bases" (base plates), "bolts", "anchors", "fasteners" and
+    "costs". Families are found, and masses computed from the shapes, where they are not given.
     """
     project = gridshell.project
     if families is None:
@@ -116,6 +118,7 @@ def schedules(
         "stock": (stock, cutting.STOCK),
         "bars": (bars, cutting.BARS),
         "nodes": (node_rows(gridshell, families, masses), nodes.LEGEND),
+        "plates": (plate_rows(families, made_of), plates.LEGEND),
         "bases": (base_rows(gridshell, families, masses), bases.LEGEND),
     }
     for name, table in bolt_tables(gridshell, families).items():

@@ -80,6 +80,22 @@ class FromStock(Protocol):
         ...
 
 
+@runtime_checkable
+class WithBars(Protocol):
+    """A shape with pieces that are sawn from bars, and others."""
+
+    def bars(self) -> Sequence[tuple[str, float]]:
+        """Names of the bars, and the lengths to saw [mm]."""
+        ...
+
+
+def bars_of(shape: Shape) -> Sequence[tuple[str, float]]:
+    """Names of the bars that a part is made of, and the lengths to saw [mm]."""
+    if isinstance(shape, FromStock):
+        return [shape.stock()]
+    return shape.bars() if isinstance(shape, WithBars) else []
+
+
 def details_of(shape: Shape) -> Mapping[str, Any]:
     """What a shape has for the list of its kind, beside its dimensions."""
     return shape.details() if isinstance(shape, Detailed) else {}

@@ -7,17 +7,15 @@ from typing import Final
 
 from fabrication.cutting import Bar, Stock, cut_from_stock
 from fabrication.formats.tables import Legend
-from fabrication.gridshell.schedules.common import FromStock, Row, instances_of
-from fabrication.parts.beam import BEAM
-from fabrication.parts.node import NODE
+from fabrication.gridshell.schedules.common import Row, bars_of
 from fabrication.specs import Family, Profile, Role
 from fabrication.standards.profiles import stock_lengths
 
 BARS: Final = Legend(
     title="Cut list by stock",
-    about="a bar of stock, and the beams or nodes that come out of it",
+    about="a bar of stock, and the beams, nodes or posts that come out of it",
     meanings={
-        "profile": "cross-section of the bar; of nodes round or tube, with the diameter",
+        "profile": "cross-section of the bar; of nodes and posts round or tube, with the diameter",
         "stock_mm": "length of the bar as it is bought; empty: no stock is long enough for the "
         "beam, to be spliced or ordered by length",
         "quantity": "how many pieces come out of the bar",
@@ -34,7 +32,7 @@ STOCK: Final = Legend(
     title="Stock to buy",
     about="bars of one profile and length: how many, and how much of them is waste",
     meanings={
-        "profile": "cross-section of the bars; of nodes round or tube, with the diameter",
+        "profile": "cross-section of the bars; of nodes and posts round or tube, with the diameter",
         "material": "what it is made of: grade and treatment as the project states them",
         "stock_mm": "length of a bar as it is bought; empty: by length",
         "bars": "how many bars",
@@ -80,13 +78,10 @@ def cut_rows(
     material : what pieces of a part number are made of
     """
     pieces: dict[tuple[Role, str, str], list[tuple[str, float]]] = {}
-    for kind in (BEAM, NODE):
-        for family, instance in instances_of(families, kind):
-            if isinstance(family.shape, FromStock):
-                cut = family.shape.stock()
-                profile, length = cut
-                key = (kind.role, profile, material(family))
-                pieces.setdefault(key, []).append((instance.mark, length))
+    for family in families:
+        for profile, length in bars_of(family.shape):
+            own = pieces.setdefault((family.role, profile, material(family)), [])
+            own += [(instance.mark, length) for instance in family.instances]
     bars, bought = [], []
     for (role, profile, made_of), found in sorted(pieces.items()):
         found.sort()

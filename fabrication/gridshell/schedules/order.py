@@ -13,10 +13,15 @@ from fabrication.gridshell.detailing.gridshell import Gridshell
 from fabrication.gridshell.detailing.joining import Place
 from fabrication.gridshell.detailing.nodes.base import Joints
 from fabrication.gridshell.part_settings import ConnectionSettings, PanelSettings
+from fabrication.gridshell.project import Project
 from fabrication.gridshell.schedules.common import Detailed, Row
 from fabrication.gridshell.schedules.panels import EDGE_WORK
 from fabrication.gridshell.where import shown
+from fabrication.parts.beam import BEAM
+from fabrication.parts.node import NODE
+from fabrication.parts.panel import PANEL
 from fabrication.project.sections import Section, one_line
+from fabrication.specs import Role
 from fabrication.standards.fasteners import property_class
 from fabrication.standards.ordering import (
     bar_tolerances,
@@ -70,6 +75,17 @@ def order_rows(gridshell: Gridshell) -> list[Row]:
     return [*_panes(gridshell), *rows] if gridshell.panels else rows
 
 
+def tolerances(project: Project) -> dict[Role, str]:
+    """Tolerances of parts by role: those of the project, or of what they are made of."""
+    beam, panel = project.beam, project.panel
+    usual = bar_tolerances(beam.material, beam.clearance_mm)
+    return {
+        BEAM.role: one_line(beam.tolerances) or usual,
+        NODE.role: one_line(project.node.tolerances) or node_tolerances(),
+        PANEL.role: one_line(panel.tolerances) or pane_tolerances(panel.build_up),
+    }
+
+
 def not_stated(rows: Sequence[Row]) -> list[str]:
     """Settings that the project leaves open."""
     return [str(row["setting"]) for row in rows if row["basis"] == OPEN]
@@ -94,8 +110,8 @@ def _panes(gridshell: Gridshell) -> Iterator[Row]:
     if panel.panes > 1:
         stand = f"{panel.step_mm:g} mm behind the outer one" if panel.step_mm else "flush"
         yield of.row("inner panes at the boundary", stand, "step_mm")
-    found = panel.tolerances or pane_tolerances(panel.build_up)
-    yield of.row("tolerances", found, "tolerances")
+    yield of.row("holes and notches", "none", "kind")
+    yield of.row("tolerances", tolerances(project)[PANEL.role], "tolerances")
     gap, between = f"{panel.gap_mm:g} mm ({panel.gap_at})", _About("joints", "panel", panel)
     yield between.row("gap between panes", gap, "gap_mm")
     above = f"{gridshell.offset:g} mm above the faces of the mesh"
@@ -125,8 +141,7 @@ def _beams(gridshell: Gridshell) -> Iterator[Row]:
     yield of.row("cuts", ends, "end")
     clearance = f"{beam.clearance_mm:g} mm at each end"
     yield of.row("clearance to the nodes", clearance, "clearance_mm")
-    usual = bar_tolerances(beam.material, beam.clearance_mm)
-    yield of.row("tolerances", beam.tolerances or usual, "tolerances")
+    yield of.row("tolerances", tolerances(project)[BEAM.role], "tolerances")
     stock, cut = project.stock, _About("beams", "stock", project.stock)
     yield cut.row("cut list: width of a cut", f"{stock.kerf_mm:g} mm", "kerf_mm")
     yield cut.row("cut list: off each end of a bar", f"{stock.trim_mm:g} mm", "trim_mm")
@@ -153,7 +168,7 @@ def _nodes(gridshell: Gridshell) -> Iterator[Row]:
     found = ", ".join(f"diameter {wide:g} mm, depth {deep:g} mm" for wide, deep in sorted(holes))
     if found:
         yield of.row("blind hole that marks azimuth 0", found, "kind")
-    yield of.row("tolerances", node.tolerances or node_tolerances(), "tolerances")
+    yield of.row("tolerances", tolerances(gridshell.project)[NODE.role], "tolerances")
 
 
 def _connection(gridshell: Gridshell) -> Iterator[Row]:
@@ -179,6 +194,8 @@ def _connection_of(
     kind = connections.find(connection.kind)
     yield of.row("kind", f"{connection.kind}: {kind.summary}", "kind")
     throats = {how.weld for place in places for _, how, _ in place.each}
+    if any(place.size.welded for place in places):
+        throats.add(connection.weld_mm)
     if welds := sorted(weld for weld in throats if weld is not None):
         found = ", ".join(f"{weld:g}" for weld in welds)
         yield of.row("throat of fillet welds", f"{found} mm", "weld_mm")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Self
@@ -15,6 +16,7 @@ from fabrication.parts.beam.congruence import beam_key, beam_variants, fibre_end
 from fabrication.parts.beam.end_plate import bar_of, plate_details
 from fabrication.parts.beam.stud import stud_details
 from fabrication.parts.beam.volume import beam_volume
+from fabrication.solids.plate import Blank
 from fabrication.specs import Kind, Profile
 from fabrication.standards.profiles import z_range
 from fabrication.variants import Variants
@@ -178,6 +180,19 @@ class BeamShape:
                 found |= plate_details(cut.plate, low, name)
             if cut.comb is not None:
                 found |= cut.comb.details(cut.comb.z - low, name)
+        return found
+
+    def blanks(self) -> list[Blank]:
+        """Plates across its ends, and those inside hollow ends that studs go through."""
+        found = []
+        for cut in (self.start, self.end):
+            if cut.plate is not None:
+                small, large = sorted((cut.plate.width, cut.plate.height))
+                found.append(Blank("end plate", cut.plate.thickness, small, large))
+            elif cut.stud is not None and len(self.profile.loops) > 1:
+                wide, high = np.ptp(self.profile.loops[1].points, axis=0).tolist()
+                small, large = sorted((wide, high * math.hypot(1.0, cut.slope)))
+                found.append(Blank("plate inside an end", cut.stud.plate, small, large))
         return found
 
     def stock(self) -> tuple[str, float]:

@@ -107,6 +107,7 @@ class NodeSize(ABC):
     keys : keys of [node] that other kinds do not have
     kind : what part numbers, layers and colors of its nodes go by; its role is "node"
     summary : what it is made of, for the order
+    welded : whether fillet welds of [connection] weld_mm hold it together
     """
 
     radius: float
@@ -119,6 +120,7 @@ class NodeSize(ABC):
     keys: ClassVar[tuple[str, ...]] = ()
     kind: ClassVar[Kind] = NODE
     summary: ClassVar[str] = ""
+    welded: ClassVar[bool] = False
 
     @classmethod
     @abstractmethod

@@ -38,8 +38,9 @@ class Plates(NodeSize):
 
     kind: ClassVar[Kind] = SPOOL
     summary: ClassVar[str] = (
-        "two discs cut from plate, EN 10029, welded to a core of round bar, EN 10060, all round"
+        "two discs cut from plate, EN 10029, welded all round to a core turned from round bar"
     )
+    welded: ClassVar[bool] = True
 
     @classmethod
     def fit(cls, joints: Joints) -> Self:
