@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, TypeAlias
 
+import numpy as np
+
 from ddgfab.errors import InputError
 from fabrication.boundary import Boundary
 from fabrication.formats.tables import Legend
@@ -150,6 +152,11 @@ class Part:
     def mass(self) -> float:
         """Mass [kg] of one piece."""
         return self.properties.volume * self.material.density * KG_PER_MM3
+
+    @property
+    def length(self) -> float:
+        """Length [mm] over all, along the longest axis of its own frame."""
+        return float(np.ptp(self.mesh.vertices, axis=0).max())
 
     @cached_property
     def boundary(self) -> Boundary | None:

@@ -18,6 +18,7 @@ from ddgfab.errors import KernelError, OutputError
 from fabrication.formats.step import Header, Material, StepProduct, write_part
 from fabrication.formats.step import write_assembly as write
 from fabrication.formats.step.read import check_step_part, read_step
+from fabrication.formats.step.records import product_name
 from fabrication.formats.step.whole import check_step_assembly
 from fabrication.formats.step.xcaf import (
     components,
@@ -89,18 +90,19 @@ def test_instances_come_back_with_their_marks_products_and_placements(assembly: 
     found = {name: (product, placement) for product, name, placement in content.instances}
     assert len(content.instances) == len(INSTANCES) == len(found)
     for number, mark, placement in INSTANCES:
-        assert found[mark][0] == number
+        assert found[mark][0] == product_name(number)
         np.testing.assert_allclose(found[mark][1], placement, atol=1e-9)
 
 
 def test_each_product_is_one_valid_solid_of_the_same_volume(assembly: Path) -> None:
     content = read_step(assembly)
-    assert sorted(p.name for p in content.products) == sorted(SIZES)
+    by_name = {product_name(number): size for number, size in SIZES.items()}
+    assert sorted(p.name for p in content.products) == sorted(by_name)
     for product in content.products:
         assert product.report.solids == 1
         assert product.report.closed
         assert product.report.valid
-        assert product.report.volume == pytest.approx(np.prod(SIZES[product.name]), rel=1e-9)
+        assert product.report.volume == pytest.approx(np.prod(by_name[product.name]), rel=1e-9)
 
 
 def test_the_check_of_an_assembly_passes_and_names_what_differs(assembly: Path) -> None:
@@ -146,7 +148,7 @@ def test_colors_layers_materials_and_validation_properties_come_back(assembly: P
     colors = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     layers = XCAFDoc_DocumentTool.LayerTool_s(document.Main())
     for number, role, material in PRODUCTS:
-        label = labels[number]
+        label = labels[product_name(number)]
         shape = XCAFDoc_ShapeTool.GetShape_s(label)
         color = Quantity_Color()
         assert colors.GetColor(shape, XCAFDoc_ColorType.XCAFDoc_ColorSurf, color)
@@ -214,7 +216,9 @@ def test_freecad_opens_the_assembly_with_numbers_and_instances(
     )
     objects = [line.split("|")[1:] for line in done.stdout.splitlines() if "OBJECT|" in line]
     labels = {label for _, label, *_ in objects}
-    assert labels >= {"BP-001", "NP-001", "Beams", "Nodes", "Panels", "Roof 7"}, done.stdout
+    assert labels >= {"BP-001 part", "NP-001 part", "Beams", "Nodes", "Panels", "Roof 7"}, (
+        done.stdout
+    )
     (whole,) = [float(volume) for _, label, volume, *_ in objects if label == "Roof 7"]
     assert whole == pytest.approx(sum(np.prod(SIZES[n]) for n, _, _ in INSTANCES), rel=1e-9)
     placed = sum(
@@ -233,7 +237,7 @@ def test_build123d_opens_the_part_with_its_name(tmp_path: Path) -> None:
         tmp_path / "BP-007.step", StepProduct("BP-007", BEAM, box(*size), box_properties(*size))
     )
     shape = build123d.import_step(str(tmp_path / "BP-007.step"))
-    assert shape.label == "BP-007"
+    assert shape.label == "BP-007_part"  # build123d has no spaces
     assert len(shape.solids()) == 1
     assert shape.volume == pytest.approx(np.prod(size), rel=1e-9)
 

@@ -14,6 +14,7 @@ from parts_table import EXACT
 from fabrication.formats.step import Header, Material, StepProduct
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
 from fabrication.formats.step.read import read_step
+from fabrication.formats.step.records import product_name
 from fabrication.formats.step.text import header_list, quoted
 from fabrication.solids import boundary_of, properties_of
 
@@ -90,4 +91,4 @@ def test_the_kernel_reads_names_above_ffff(tmp_path: Path) -> None:
     name = "Dach \U0001f3db 東京"
     path = tmp_path / "a.step"
     path.write_bytes(part_bytes(product(name), path.name))
-    assert [p.name for p in read_step(path).products] == [name]
+    assert [p.name for p in read_step(path).products] == [product_name(name)]

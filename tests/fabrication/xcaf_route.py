@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fabrication.formats.step.records import StepProduct
+from fabrication.formats.step.records import StepProduct, product_name
 from fabrication.formats.step.text import encoded
 from fabrication.formats.step.xcaf import mute, new_document
 from fabrication.solids import solid_from
@@ -93,7 +93,7 @@ def add_product(document: Any, product: StepProduct) -> Any:
     assert product.material is not None
     main = document.Main()
     label = XCAFDoc_DocumentTool.ShapeTool_s(main).AddShape(solid_from(product.boundary), False)
-    set_name(label, product.number)
+    set_name(label, product_name(product.number))
     color = Quantity_Color(*product.kind.color, Quantity_TypeOfColor.Quantity_TOC_sRGB)
     XCAFDoc_DocumentTool.ColorTool_s(main).SetColor(
         label, color, XCAFDoc_ColorType.XCAFDoc_ColorGen

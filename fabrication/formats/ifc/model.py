@@ -222,8 +222,7 @@ class _Model:
         """IfcElementQuantity of a part number: the standard's set where its class has one."""
         own = []
         if part.kind.form == "bar":
-            length = float(np.ptp(part.mesh.vertices, axis=0).max())
-            own.append(f"IFCQUANTITYLENGTH('Length',$,$,{real(length)},$)")
+            own.append(f"IFCQUANTITYLENGTH('Length',$,$,{real(part.length)},$)")
         if made.prism is not None and part.kind.form == "sheet":
             own.append(f"IFCQUANTITYLENGTH('Width',$,$,{real(made.prism.length)},$)")
             net = real(part.properties.volume / made.prism.length * _MM2)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ddgfab.errors import DdgError, KernelError
 from fabrication.formats.base import REJECTED_KIND, Header, Material
+from fabrication.formats.step.attributes import IDS, MARK, Attribute, attribute_text
 from fabrication.formats.step.entities import (
     COMMON,
     COMMON_CONTEXT,
@@ -34,7 +35,7 @@ from fabrication.formats.step.entities import (
 )
 from fabrication.formats.step.geometry import LOCAL, BoundaryShell
 from fabrication.formats.step.kernel import KernelShell
-from fabrication.formats.step.records import Schema, StepProduct, time_stamp
+from fabrication.formats.step.records import Schema, StepProduct, product_name, time_stamp
 from fabrication.formats.step.text import (
     STYLE_IDS,
     header_list,
@@ -161,6 +162,9 @@ class _Text:
             self.references.append((local[0], local[1]))
             solids.setdefault(product.kind, []).append(local[2])
         self._following = (first + len(products)) * 10**width
+        for product, (definition, _) in zip(products, self.references, strict=True):
+            for attribute in product.attributes:
+                self.attribute(definition, attribute)
         for kind, members in solids.items():
             self.write(
                 f"#{self.take(1)}=PRESENTATION_LAYER_ASSIGNMENT("
@@ -175,6 +179,10 @@ class _Text:
     def write(self, entities: str) -> None:
         """Some more entities."""
         self._parts.append(entities.encode("ascii"))
+
+    def attribute(self, of: str, attribute: Attribute) -> None:
+        """An attribute of a product definition, or of an instance."""
+        self.write(attribute_text(self.take(IDS), of, attribute))
 
     def unit(self, name: str) -> _Unit:
         """A new assembly."""
@@ -260,6 +268,7 @@ class _Unit:
                 *(i + 8, xx, xy, xz),
             )
         )
+        text.attribute(f"#{i + 4}", (MARK, name, "text"))
         self._placements.append(f"#{i + 5}")
 
     def close(self) -> None:
@@ -297,11 +306,11 @@ def _product(
     material: tuple[str, str] | None,
 ) -> str:
     """All entities of one product; its ids are the prefix and local ids of some width."""
-    number, values = quoted(product.number), product.properties
+    values = product.properties
     measures = (real(values.area), real(values.volume), *map(real, values.centroid))
     text = _numbered(PRODUCT, width).replace(LOCAL, prefix) % (
-        number,
-        number,
+        quoted(product.number),
+        quoted(product_name(product.number)),
         *measures,
         style_id,
     )

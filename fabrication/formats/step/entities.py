@@ -26,12 +26,14 @@ SCHEMAS: Final[dict[str, tuple[str, str, str, int]]] = {
 
 # Entities that every file begins with, by id.
 _PRODUCT_CONTEXT, _DEFINITION_CONTEXT = "#3", "#4"
+LENGTH_UNIT: Final = "#5"
 _UNITS, _UNCERTAINTY = "#5,#6,#7", "#8"
 ORIGIN: Final = "#9"
 _AREA_UNIT, _VOLUME_UNIT = "#13", "#15"
 DENSITY_UNIT: Final = "#17"
 FILE_CONTEXT: Final = "#22"
-FIRST_FREE: Final = 23
+MASS_UNIT: Final = "#23"
+FIRST_FREE: Final = 24
 _CONTEXT: Final = (
     f"(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT(({_UNCERTAINTY}))"
     f"GLOBAL_UNIT_ASSIGNED_CONTEXT(({_UNITS}))"
@@ -61,7 +63,9 @@ COMMON: Final = """\
 #20=DERIVED_UNIT_ELEMENT(#21,-3.);
 #21=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.CENTI.,.METRE.));
 """
-COMMON_CONTEXT: Final = f"{FILE_CONTEXT}={_CONTEXT};\n"
+COMMON_CONTEXT: Final = (
+    f"{FILE_CONTEXT}={_CONTEXT};\n{MASS_UNIT}=(MASS_UNIT()NAMED_UNIT(*)SI_UNIT(.KILO.,.GRAM.));\n"
+)
 
 # One product; ids in braces are local, %s are filled in. Braces 0..5 serve assemblies as well.
 DEFINITION: Final = (

@@ -14,6 +14,7 @@ from ddgfab.mesh import Floats
 from fabrication.checks.solid import SolidReport, inspect_solid
 from fabrication.formats.step.coaxial import cylinders_of
 from fabrication.formats.step.faceted import FacetedSolid, faceted_solids
+from fabrication.formats.step.records import product_name
 from fabrication.formats.step.xcaf import (
     components,
     free_labels,
@@ -108,7 +109,7 @@ def check_step_part(
 
     Parameters
     ----------
-    number : the part number, that is the product's name
+    number : the part number, of which the product has its name
     volume : [mm3] of the solid that was written
 
     Returns
@@ -125,11 +126,12 @@ def check_step_part(
     sound = all(p.report.valid and p.report.closed for p in content.products)
     names = ", ".join(product.name for product in content.products)
     deviation = abs(total - volume) / max(abs(volume), 1e-300)
+    wanted = product_name(number)
     return [
         Check("file readable", True),
         Check("file one solid", solids == 1 == len(content.products), float(solids), 1.0),
         Check("file valid", bool(content.products) and sound),
-        Check("file name", names == number, names, number),
+        Check("file name", names == wanted, names, wanted),
         Check("file unit", content.unit == STEP_UNIT, content.unit, STEP_UNIT),
         Check("file volume", total > 0 and deviation <= relative, deviation, relative),
     ]

@@ -9,14 +9,24 @@ from typing import Any, Literal
 
 from fabrication.boundary import Boundary
 from fabrication.formats.base import Material
+from fabrication.formats.step.attributes import Attribute
 from fabrication.specs import Kind, Properties
 
 Schema = Literal["AP214", "AP242"]
 
 
+def product_name(number: str) -> str:
+    """The name of the product that has a part number as its id.
+
+    It ends in letters: FreeCAD, which shows names, counts up the digits that a name ends in, and
+    would call the second copy of BP-001 by the number of another part, BP-002.
+    """
+    return f"{number} part"
+
+
 @dataclass(frozen=True, eq=False)
 class StepProduct:
-    """A part number: its kind, geometry in its own frame, properties and material.
+    """A part number: its kind, geometry in its own frame, properties, material and attributes.
 
     The geometry is the exact boundary where there is one (much faster to write); only where there
     is none, the kernel solid is looked at.
@@ -28,6 +38,7 @@ class StepProduct:
     properties: Properties
     material: Material | None = None
     boundary: Boundary | None = None
+    attributes: tuple[Attribute, ...] = ()
 
 
 def time_stamp() -> str:

@@ -12,6 +12,7 @@ from ddgfab.errors import InputError
 from fabrication.formats.base import REJECTED_KIND
 from fabrication.formats.step.coaxial import check_mates
 from fabrication.formats.step.read import FILE_VOLUME_RELATIVE, STEP_UNIT, read_step
+from fabrication.formats.step.records import product_name
 from fabrication.specs import Check, Mate, Placement
 
 PLACEMENT_MM: Final = 1e-6
@@ -44,7 +45,9 @@ def check_step_assembly(
     found = {name: (product, placement) for product, name, placement in content.instances}
     marks = set(found) == set(expected) and len(content.instances) == len(expected)
     wrong = sorted(
-        mark for mark in found.keys() & expected.keys() if found[mark][0] != expected[mark][0]
+        mark
+        for mark in found.keys() & expected.keys()
+        if found[mark][0] != product_name(expected[mark][0])
     )
     turn = shift = 0.0
     for mark in found.keys() & expected.keys():
