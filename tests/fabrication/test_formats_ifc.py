@@ -12,17 +12,18 @@ import numpy as np
 import pytest
 from part21 import decode
 from roofs import barrel
+from wholes import whole_of
 
 from ddgfab.errors import InputError
 from ddgfab.io import write_mesh
-from fabrication.formats.base import Part, Whole
+from fabrication.formats.base import Whole
 from fabrication.formats.ifc import FORMAT, MODEL
 from fabrication.formats.ifc.guid import compressed
 from fabrication.formats.ifc.model import model_bytes
 from fabrication.formats.registry import find
 from fabrication.formats.report import inspect_file
 from fabrication.gridshell.design import design
-from fabrication.solids import realise
+from fabrication.solids import is_valid, kernel_properties
 
 NAME = "Dach 'Nord' \u6771\u4eac; #1"
 
@@ -37,12 +38,8 @@ def structure(profile: str, radius: float) -> Whole:
         project={"name": NAME},
         panel={"corner_radius_mm": radius, "thickness_mm": 12.0},
         beam={"profile": profile, "end": "flat"},
-    ).product()
-    parts = {
-        f.number: Part.of(f, realise(f.shape, made.chord, solid=False), made.material(f.role))
-        for f in made.families
-    }
-    return Whole(made.about(), parts, made.families, made.families, REJECTED)
+    )
+    return whole_of(made, REJECTED)
 
 
 @pytest.fixture(scope="module")
@@ -197,13 +194,8 @@ def test_a_roof_far_away_names_its_origin(tmp_path: Path) -> None:
     for one, two in zip(made.gridshell.nodes, near, strict=True):
         back = one.placement[:3, 3] + made.source.origin
         assert back == pytest.approx(two.placement[:3, 3] + np.multiply(far, 1000.0), abs=1e-3)
-    product = made.product()
-    assert product.facts()["input"]["origin_mm"] == list(made.source.origin)
-    parts = {
-        f.number: Part.of(f, realise(f.shape, 0.5, solid=False), product.material(f.role))
-        for f in product.families
-    }
-    whole = Whole(product.about(), parts, product.families, product.families)
+    assert made.product().facts()["input"]["origin_mm"] == list(made.source.origin)
+    whole = whole_of(made)
     text = model_bytes(whole, MODEL).decode("ascii")
     (found,) = re.findall(r"=IFCMAPCONVERSION\(#\d+,#\d+,([^)]*)\)", text)
     values = [float(value) for value in found.split(",")]
@@ -215,7 +207,9 @@ def test_a_roof_far_away_names_its_origin(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_ifcopenshell_validates_it_and_finds_the_volumes(folder: Path, tmp_path: Path) -> None:
+def test_ifcopenshell_validates_it_and_finds_the_volumes(
+    whole: Whole, folder: Path, tmp_path: Path
+) -> None:
     pytest.importorskip("ifcopenshell")
     import ifcopenshell.validate
 
@@ -224,33 +218,69 @@ def test_ifcopenshell_validates_it_and_finds_the_volumes(folder: Path, tmp_path:
     ifcopenshell.validate.validate(model, log, express_rules=True)
     assert log.statements == []
     assert model.by_type("IfcProject")[0].Name == NAME
-    measured = volumes(model)
-    assert len(measured) == 13
-    # Round corners come back as polygons.
-    assert max(abs(found / stated - 1.0) for found, stated in measured) < 1e-5
+    measured = volumes(model, tmp_path)
+    assert len(measured) == len(whole.parts)
+    assert types(model) == {"SweptSolid", "Clipping", "AdvancedBrep"}
+    assert max(abs(found / stated - 1.0) for found, stated in measured) < 1e-9
     plain = structure("FL 80x10", 0.0)
     far = replace(plain, about=replace(plain.about, origin=(6.9e8, 5.3e9, 5e5)))
     (tmp_path / MODEL).write_bytes(model_bytes(far, MODEL))
     model = ifcopenshell.open(str(tmp_path / MODEL))
     assert model.by_type("IfcMapConversion")[0].Eastings == pytest.approx(6.9e5)
-    measured = volumes(model)
+    measured = volumes(model, tmp_path)
     assert max(abs(found / stated - 1.0) for found, stated in measured) < 1e-9
 
 
-def volumes(model: Any) -> list[tuple[float, float]]:
-    """Of the solids of beams and panes, and as their quantities state it [m3]."""
+def types(model: Any) -> set[str]:
+    """Types of the representations of all parts."""
+    return {
+        shape.MappedRepresentation.RepresentationType
+        for shape in model.by_type("IfcRepresentationMap")
+    }
+
+
+@pytest.mark.slow
+def test_parts_of_cylinders_and_fasteners_are_exact(tmp_path: Path) -> None:
+    pytest.importorskip("ifcopenshell")
+    import ifcopenshell.validate
+
+    made = design(
+        barrel(1, 1),
+        beam={"profile": "RHS 120x60x5", "end": "flat"},
+        connection={"kind": "end_plate", "fasteners": True},
+    )
+    (tmp_path / MODEL).write_bytes(model_bytes(whole_of(made), MODEL))
+    model = ifcopenshell.open(str(tmp_path / MODEL))
+    log = ifcopenshell.validate.json_logger()
+    ifcopenshell.validate.validate(model, log, express_rules=True)
+    assert log.statements == []
+    assert "Tessellation" not in types(model)
+    assert len(model.by_type("IfcMechanicalFastener")) == len(made.gridshell.fasteners) > 0
+    measured = volumes(model, tmp_path)
+    assert max(abs(found / stated - 1.0) for found, stated in measured) < 1e-9
+
+
+def volumes(model: Any, folder: Path) -> list[tuple[float, float]]:
+    """Of the exact solid of each part number, and as its quantities state it [m3]."""
     import ifcopenshell.geom
     import ifcopenshell.util.element
-    import ifcopenshell.util.shape
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepTools import BRepTools
+    from OCP.TopoDS import TopoDS_Shape
 
     settings = ifcopenshell.geom.settings()
-    settings.set("mesher-angular-deflection", 0.005)
+    settings.set("iterator-output", ifcopenshell.ifcopenshell_wrapper.SERIALIZED)
+    every = {e.Tag: e for e in model.by_type("IfcElement") if not e.is_a("IfcElementAssembly")}
     out = []
-    for element in model.by_type("IfcMember") + model.by_type("IfcPlate"):
-        shape = ifcopenshell.geom.create_shape(settings, element)
+    for element in every.values():
+        brep = folder / "solid.brep"
+        brep.write_text(ifcopenshell.geom.create_shape(settings, element).geometry.brep_data)
+        solid = TopoDS_Shape()
+        assert BRepTools.Read_s(solid, str(brep), BRep_Builder())
+        assert is_valid(solid)
         sets = ifcopenshell.util.element.get_psets(element)
         (stated,) = (values["NetVolume"] for values in sets.values() if "NetVolume" in values)
-        out.append((ifcopenshell.util.shape.get_volume(shape.geometry), stated))
+        out.append((kernel_properties(solid).volume, stated))
     return out
 
 

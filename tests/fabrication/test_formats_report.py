@@ -116,7 +116,7 @@ def test_step_files(tmp_path: Path) -> None:
     write_part(path, StepProduct("BP-001", BEAM, solid, properties))
     report = inspect_file(path)
     assert report.passed
-    assert (report.bodies[0].name, report.bodies[0].solids) == ("BP-001", 1)
+    assert (report.bodies[0].name, report.bodies[0].solids) == ("BP-001 part", 1)
 
     shifted = np.eye(4)
     shifted[0, 3] = 100

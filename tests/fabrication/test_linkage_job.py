@@ -118,7 +118,7 @@ def test_the_assembly_is_named_colored_and_placed(bennett: Kit, kit_job: JobResu
     placed = {i.mark: (f.number, i.placement) for f in bennett.placed() for i in f.instances}
     assert {name for _, name, _ in content.instances} == set(placed)
     for product, name, motion in content.instances:
-        assert product == placed[name][0]
+        assert product == f"{placed[name][0]} part"
         assert np.abs(motion - placed[name][1]).max() < 1e-6
     assert len(content.products) == len(bennett.placed())  # instances share their product
 

@@ -1,4 +1,4 @@
-"""Solids of IFC: sections swept between two planes where a part is that, else closed meshes."""
+"""Solids of IFC: sections swept between two planes, else exact faces, else closed meshes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from ddgfab.mesh import Floats
 from fabrication.formats.base import Part
+from fabrication.formats.ifc.brep import advanced_brep
 from fabrication.formats.ifc.lines import Lines, listed, rows
 from fabrication.formats.step.text import quoted, real
 from fabrication.solids.prism import Cap, Prism, prism
@@ -35,6 +36,8 @@ def body(lines: Lines, part: Part) -> Body:
     swept = None
     if boundary is not None:
         swept = prism(boundary, "shortest" if part.kind.form == "sheet" else "longest")
+    if swept is None and boundary is not None:
+        return Body(advanced_brep(lines, boundary), "AdvancedBrep", None)
     if swept is None:
         return Body(_mesh(lines, part.mesh), "Tessellation", None)
     solid, clipped = _swept(lines, swept, part.number)
@@ -64,14 +67,18 @@ def _swept(lines: Lines, swept: Prism, name: str) -> tuple[str, bool]:
 def _cap_frame(swept: Prism, cap: Cap, outward: float) -> Floats:
     """(4, 4) of a cap's plane, its z pointing out of the part."""
     turn = swept.frame[:3, :3]
-    normal = np.array([-cap.slope[0], -cap.slope[1], 1.0]) * outward
-    normal /= np.linalg.norm(normal)
-    across = np.array([1.0, 0.0, cap.slope[0]])
-    across /= np.linalg.norm(across)
-    frame = np.eye(4)
-    frame[:3, 2], frame[:3, 0] = turn @ normal, turn @ across
-    frame[:3, 1] = np.cross(frame[:3, 2], frame[:3, 0])
-    frame[:3, 3] = turn @ (0.0, 0.0, cap.height) + swept.frame[:3, 3]
+    a, b = cap.slope
+    steep, wide = math.hypot(a, b, 1.0) * outward, math.hypot(1.0, a)
+    normal = (-a / steep, -b / steep, 1.0 / steep)
+    across = (1.0 / wide, 0.0, a / wide)
+    beside = (
+        normal[1] * across[2],
+        normal[2] * across[0] - normal[0] * across[2],
+        -normal[1] * across[0],
+    )
+    frame = swept.frame.copy()
+    frame[:3, :3] = turn @ np.array([across, beside, normal]).T
+    frame[:3, 3] += turn[:, 2] * cap.height
     return frame
 
 

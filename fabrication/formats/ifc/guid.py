@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from typing import Final
 from uuid import NAMESPACE_URL, UUID, uuid5
 
-_DIGITS: Final = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_$"
+_STANDARD: Final = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
+_DIGITS: Final = b"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_$"
+_TO_DIGITS: Final = bytes.maketrans(_STANDARD, _DIGITS)
 _SPACE: Final = uuid5(NAMESPACE_URL, "ddgfab")
 
 
@@ -22,8 +25,5 @@ class Guids:
 
 def compressed(uuid: UUID) -> str:
     """128 bits as 22 digits of base 64, as buildingSMART defines them; the first one is 0 to 3."""
-    number, digits = uuid.int, ""
-    for _ in range(22):
-        number, digit = divmod(number, 64)
-        digits = _DIGITS[digit] + digits
-    return digits
+    padded = b64encode(b"\0\0" + uuid.bytes)  # 24 digits, the first two of them 0
+    return padded[2:].translate(_TO_DIGITS).decode("ascii")

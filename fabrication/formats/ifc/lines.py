@@ -11,16 +11,30 @@ from fabrication.formats.step.text import real
 
 
 class Lines:
-    """Entities in the order in which they were added; references go backwards only."""
+    """Entities in the order in which they were added."""
 
     def __init__(self) -> None:
         self._lines: list[str] = []
         self._shared: dict[str, str] = {}
+        self._last = 0
 
     def add(self, entity: str) -> str:
         """A new entity; returns its reference."""
-        self._lines.append(f"#{len(self._lines) + 1}={entity};\n")
-        return f"#{len(self._lines)}"
+        self._last += 1
+        reference = f"#{self._last}"
+        self._lines.append(f"{reference}={entity};\n")
+        return reference
+
+    def block(self, count: int) -> tuple[str, int]:
+        """Reserve references; each is the prefix and a number of the width, counted from 0."""
+        width = len(str(max(count - 1, 99)))
+        first = self._last // 10**width + 1
+        self._last = (first * 10**width) + count - 1
+        return f"#{first}", width
+
+    def raw(self, text: str) -> None:
+        """Lines of entities whose references were reserved."""
+        self._lines.append(text)
 
     def share(self, entity: str) -> str:
         """The reference of an entity without identity: a point, a direction, a value."""

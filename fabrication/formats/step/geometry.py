@@ -81,7 +81,12 @@ class BoundaryShell:
     def text(self, prefix: str, first: int, width: int) -> str:
         """The entities; an id is the prefix and a number of that width, `first` the shell's."""
         template, numbers = shell(self._boundary, first, width)
-        return (template.text.replace(LOCAL, prefix) % numbers).replace(_WHOLE, ".")
+        return filled(template.text, numbers, prefix)
+
+
+def filled(text: str, numbers: tuple[float, ...], prefix: str) -> str:
+    """The text of a template with its numbers, its local ids after a prefix."""
+    return (text.replace(LOCAL, prefix) % numbers).replace(_WHOLE, ".")
 
 
 def shell(boundary: Boundary, first: int, width: int) -> tuple[Template, tuple[float, ...]]:

@@ -53,7 +53,10 @@ def encoded(text: str) -> str:
 
 def quoted(text: str) -> str:
     """Text as a STEP string, with its apostrophes."""
-    return "'" + encoded(text.replace("\\", "\\\\").replace("'", "''")) + "'"
+    escaped = text.replace("\\", "\\\\").replace("'", "''")
+    if not (escaped.isascii() and escaped.isprintable()):
+        escaped = encoded(escaped)
+    return f"'{escaped}'"
 
 
 def header_text(text: str) -> str:
