@@ -135,7 +135,8 @@ class ConnectionSettings(KindSection):
         solid end of the beam on the same axis, an opening to tighten it), "end_plate" (a plate
         across the end of the beam, bolts on either side of the bar), "slotted" (the discs of [node]
         kind = "plates" in slots across timber bars) or "bolted_tongue" (the
-        plates of [node] kind = "star" in slots of flat bars, two bolts in double shear)
+        plates of [node] kind = "star", or plates welded to a "cylinder" or "tube", in slots of
+        flat bars, two bolts in double shear)
     weld_mm : throat thickness of the fillet weld, 3 or more (EN 1993-1-8, 4.5.2): of beams to
         nodes, of plates to hollow sections, of discs to the cores of nodes
     bolt : size of studs and bolts

@@ -10,7 +10,7 @@ import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Final, Self
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 
@@ -113,7 +113,15 @@ class StarShape:
         return star_boundary(self)
 
     def second_volume(self) -> float:
-        """Half plates beside each gap, by their trapezoids, less holes and mark."""
+        """Area across the axis, less holes and mark."""
+        volume = self.area() * (self.z1 - self.z0)
+        volume -= len(self.holes) * 0.25 * math.pi * self.diameter**2 * self.thickness
+        if self.mark is not None:
+            volume -= 0.25 * math.pi * self.mark.diameter**2 * self.mark.depth
+        return volume
+
+    def area(self) -> float:
+        """Half plates beside each gap, by their trapezoids [mm2]."""
         half = 0.5 * self.thickness
         area = 0.0
         for gap in gaps(self.azimuths):
@@ -122,11 +130,16 @@ class StarShape:
                 area -= half**2 / math.tan(gap / 2.0)
             else:
                 area += 0.5 * half**2 * math.sin(gap - math.pi)
-        volume = area * (self.z1 - self.z0)
-        volume -= len(self.holes) * 0.25 * math.pi * self.diameter**2 * self.thickness
-        if self.mark is not None:
-            volume -= 0.25 * math.pi * self.mark.diameter**2 * self.mark.depth
-        return volume
+        return area
+
+    def roots(self) -> list[float]:
+        """From the axis to where each plate and the next one, counterclockwise, part [mm]."""
+        half = 0.5 * self.thickness
+        return [half / math.tan(g / 2.0) if g < math.pi else 0.0 for g in gaps(self.azimuths)]
+
+    def section(self) -> Section:
+        """The section across the axis."""
+        return star_section(self)
 
     def dimensions(self) -> dict[str, Any]:
         """Diameter over the plates, height, thickness."""
@@ -177,8 +190,16 @@ def at(azimuth: float, along: float, across: float) -> tuple[float, float]:
     return (along * c - across * s, along * s + across * c)
 
 
-def _outline(shape: StarShape) -> tuple[Loop, list[int], list[int]]:
-    """The outline across the axis; which of its sides are right and left sides of the plates."""
+class Section(NamedTuple):
+    """Loops across the axis, and which sides of the first are right and left sides of plates."""
+
+    loops: tuple[Loop, ...]
+    right: list[int]
+    left: list[int]
+
+
+def star_section(shape: StarShape) -> Section:
+    """The section of plates that meet at the axis."""
     half, length = 0.5 * shape.thickness, shape.length
     points: list[tuple[float, float]] = []
     right, left = [], []
@@ -194,7 +215,7 @@ def _outline(shape: StarShape) -> tuple[Loop, list[int], list[int]]:
         else:  # one line, but two sides: a hole is in that of its plate
             points.append(at(azimuth, 0.0, half))
     right[0] = len(points) - 1
-    return Loop(np.array(points), np.zeros(len(points))), right, left
+    return Section((Loop(np.array(points), np.zeros(len(points))),), right, left)
 
 
 def star_boundary(shape: StarShape) -> Boundary:
@@ -206,7 +227,7 @@ def star_boundary(shape: StarShape) -> Boundary:
             f"a star of {len(shape.azimuths)} plates from z = {shape.z0:.6g} to {shape.z1:.6g} mm "
             "is not a solid"
         )
-    inner = [half / math.tan(gap / 2.0) if gap < math.pi else 0.0 for gap in between]
+    inner = shape.roots()
     worst = max(range(len(inner)), key=lambda k: inner[k])
     if inner[worst] >= shape.length:
         raise DetailError(
@@ -214,7 +235,7 @@ def star_boundary(shape: StarShape) -> Boundary:
             f"{math.degrees(between[worst]):.4g} deg are one up to {inner[worst]:.6g} mm; they are "
             f"{shape.length:.6g} mm long"
         )
-    outline, right, left = _outline(shape)
+    loops, right, left = shape.section()
     builder = BoundaryBuilder()
     side_holes: dict[tuple[int, int], list[Coedges]] = {}
     for k, hole in enumerate(shape.holes):
@@ -260,7 +281,7 @@ def star_boundary(shape: StarShape) -> Boundary:
             )
         )
     start, end = End(shape.z0, 0.0, None, -1.0), End(shape.z1, 0.0, None, 1.0)
-    sweep(builder, _frame, [segments(outline)], start, end, side_holes, top)
+    sweep(builder, _frame, [segments(loop) for loop in loops], start, end, side_holes, top)
     return builder.build()
 
 

@@ -40,6 +40,12 @@ VARIANTS: dict[str, dict[str, dict[str, object]]] = {
         "node": {"kind": "star"},
         "connection": {"kind": "bolted_tongue"},
     },
+    "hubs": {
+        "beam": {"profile": "FL 100x40"},
+        "node": {"kind": "tube", "min_diameter_mm": 60.0},
+        "connection": {"kind": "bolted_tongue"},
+        "ground": {"where": "boundary"},
+    },
     "glazed": {"panel": {"build_up": "8/16Ar/6.6.2", "edge": "mitred", "step_mm": 30.0}},
 }
 

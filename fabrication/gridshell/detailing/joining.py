@@ -128,7 +128,7 @@ def joined_places(
             )
             connection.check(joints.only(mine))
             each.append((joints, mine))
-        kind = find(node.kind)
+        kind = find(node.kind).joined_by(connection, each[0][0].profile)
         size = max((kind.fit(joints) for joints, _ in each), key=lambda found: found.radius)
         parts = tuple((joints, connection.fit(joints, size), mine) for joints, mine in each)
         places.append(Place(at, each[0][0], size, second, parts))

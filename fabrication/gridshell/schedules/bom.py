@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from fabrication.formats.tables import Legend
-from fabrication.gridshell.schedules.common import NUMBER, FromStock, Masses, Row
+from fabrication.gridshell.schedules.common import NUMBER, Described, FromStock, Masses, Row
 from fabrication.gridshell.schedules.panels import SIZE_STEP_MM, rounded_up, size_class
 from fabrication.parts.panel import M2_PER_MM2, PANEL
 from fabrication.specs import Family, Shape
@@ -76,6 +76,8 @@ def marks(family: Family) -> str:
 
 def described(shape: Shape) -> str:
     """A part in a few words: the bar it is sawn from, or the dimensions it has."""
+    if isinstance(shape, Described):
+        return shape.described()
     if isinstance(shape, FromStock):
         bar, length = shape.stock()
         return f"{bar}, {length:.1f} long"

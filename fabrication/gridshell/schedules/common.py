@@ -72,6 +72,15 @@ class WithArms(Protocol):
 
 
 @runtime_checkable
+class Described(Protocol):
+    """A shape that is made of several things, which it names."""
+
+    def described(self) -> str:
+        """What they are, in a few words."""
+        ...
+
+
+@runtime_checkable
 class FromStock(Protocol):
     """A shape that is sawn from a bar."""
 

@@ -79,6 +79,8 @@ LEGEND: Final = Legend(
         "plate_mm": "thickness of the plates of a star",
         "plate_length_mm": "from the axis to the ends of its plates",
         "plate_hole_mm": "diameter of the holes through its plates, square to them",
+        "hub_diameter_mm": "diameter of the round bar or tube that the plates are welded to",
+        "plate_weld_mm": "throat thickness of the fillet welds round the plates",
         "plate_{k}_first_mm": "from the axis to the first hole of the plate of arm {k}",
         "plate_{k}_first_up_mm": "height of that hole above the bottom end",
         "plate_{k}_second_mm": "from the axis to its second hole",

@@ -123,6 +123,11 @@ class NodeSize(ABC):
     welded: ClassVar[bool] = False
 
     @classmethod
+    def joined_by(cls, connection: Connection, profile: Profile) -> type[NodeSize]:
+        """What nodes of this kind are with a connection: this class, unless that needs another."""
+        return cls
+
+    @classmethod
     @abstractmethod
     def fit(cls, joints: Joints) -> Self:
         """The size of the project, or the least that fits at every node.

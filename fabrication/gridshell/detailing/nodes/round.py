@@ -11,10 +11,12 @@ import numpy as np
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
 from fabrication.gridshell.detailing.arm_room import least_radii
-from fabrication.gridshell.detailing.connections.base import Drilling, Joined
+from fabrication.gridshell.detailing.connections.base import Connection, Drilling, Joined
 from fabrication.gridshell.detailing.frames import Arms, beam_mark, listed, node_mark
 from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
+from fabrication.gridshell.detailing.nodes.hub import Hub, TubeHub
 from fabrication.parts.node import NodeShape, RadialHole, ReferenceMark, Seat
+from fabrication.specs import Profile
 from fabrication.standards import node_diameters
 from fabrication.standards.profiles import z_range
 
@@ -45,6 +47,11 @@ class Cylinder(NodeSize):
     series: ClassVar[str] = "cylinder"
     body: ClassVar[str] = "a cylinder"
     remedy: ClassVar[str] = "a narrower [beam] profile"
+
+    @classmethod
+    def joined_by(cls, connection: Connection, profile: Profile) -> type[NodeSize]:
+        """A hub where beams are joined by tongues."""
+        return cls if connection.tongue(profile) is None else Hub
 
     @property
     def bore(self) -> float:
@@ -218,6 +225,11 @@ class Tube(Cylinder):
     series: ClassVar[str] = "tube"
     body: ClassVar[str] = "the wall of a tube"
     remedy: ClassVar[str] = "a thicker [node] wall_mm"
+
+    @classmethod
+    def joined_by(cls, connection: Connection, profile: Profile) -> type[NodeSize]:
+        """A hub where beams are joined by tongues."""
+        return cls if connection.tongue(profile) is None else TubeHub
 
     @property
     def bore(self) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -15,6 +15,30 @@ from fabrication.gridshell.detailing.nodes.base import MARK, SLACK, Joints, Node
 from fabrication.parts.node import ReferenceMark
 from fabrication.parts.star import STAR, StarShape, TongueHole
 from fabrication.specs import Kind
+
+
+def farthest(joints: Joints, tongue: Tongue, beyond: float = 0.0) -> tuple[float, int]:
+    """Distance [mm] of the beams' cuts from the axis at which neither they nor their nuts meet.
+
+    Parameters
+    ----------
+    beyond : what they keep from in any case [mm]
+
+    Returns
+    -------
+    It, in whole mm, and the vertex of the node that needs it.
+    """
+    arms, project = joints.arms, joints.project
+    needs = least_radii(arms, joints.width, project.node.arm_clearance_mm)
+    seats = np.sqrt(needs**2 - 0.25 * joints.width**2)
+    # The nuts of neighbours, sideways from their beams, keep to their halves of the gap.
+    ahead, sideways = tongue.nut
+    half_gap = 0.5 * np.minimum(arms.gap, np.pi)
+    nuts = ahead + sideways / np.tan(half_gap) - tongue.steps[0]
+    both = np.maximum(seats, nuts)
+    worst = int(both.argmax())
+    cut = max(float(both[worst]), beyond) + project.beam.clearance_mm
+    return float(np.ceil(cut - SLACK)), int(arms.node[worst])
 
 
 @dataclass(frozen=True)
@@ -47,23 +71,16 @@ class Star(NodeSize):
         tongue = joints.connection.tongue(joints.profile)
         require_bolts(project, tongue, "bolted_tongue")
         assert tongue is not None
+        cut, worst = farthest(joints, tongue)
         needs = least_radii(arms, joints.width, project.node.arm_clearance_mm)
-        seats = np.sqrt(needs**2 - 0.25 * joints.width**2)
-        # The nuts of neighbours, sideways from their beams, keep to their halves of the gap.
-        ahead, sideways = tongue.nut
-        half_gap = 0.5 * np.minimum(arms.gap, np.pi)
-        nuts = ahead + sideways / np.tan(half_gap) - tongue.steps[0]
-        both = np.maximum(seats, nuts)
-        worst = int(both.argmax())
-        cut = float(np.ceil(both[worst] + project.beam.clearance_mm - SLACK))
         length = cut + tongue.length
         return cls(
             float(np.hypot(length, 0.5 * tongue.thickness)),
             cut,
             cut,
             joints.width,
-            float(needs[worst]),
-            int(arms.node[worst]),
+            float(needs.max()),
+            worst,
             tongue,
             length,
         )
@@ -105,25 +122,34 @@ class Star(NodeSize):
         heights = self._heights(joints).T.tolist()
         low, high = bottom.tolist(), top.tolist()
         azimuths, starts = arms.azimuth.tolist(), arms.start.tolist()
-        mark = ReferenceMark(0.5 * self.cut, min(MARK[0], 0.4 * self.tongue.thickness), MARK[1])
+        mark = self.mark()
         far = [self.cut + step for step in self.tongue.steps]
         return [
-            StarShape(
-                self.tongue.thickness,
-                self.length,
-                low[v],
-                high[v],
-                tuple(azimuths[starts[v] : starts[v + 1]]),
-                self.tongue.hole,
-                tuple(
+            self.made(
+                thickness=self.tongue.thickness,
+                length=self.length,
+                z0=low[v],
+                z1=high[v],
+                azimuths=tuple(azimuths[starts[v] : starts[v + 1]]),
+                diameter=self.tongue.hole,
+                holes=tuple(
                     TongueHole(k - starts[v], rho, z)
                     for k in range(starts[v], starts[v + 1])
                     for rho, z in zip(far, heights[k], strict=True)
                 ),
-                mark,
+                mark=mark,
             )
             for v in np.flatnonzero(np.diff(arms.start)).tolist()
         ]
+
+    def mark(self) -> ReferenceMark:
+        """On the first plate, half way to the beam."""
+        wide = min(MARK[0], 0.4 * self.tongue.thickness)
+        return ReferenceMark(0.5 * self.cut, wide, MARK[1])
+
+    def made(self, **sizes: Any) -> StarShape:
+        """The shape of a node."""
+        return StarShape(**sizes)
 
     def _slopes(self, joints: Joints) -> tuple[Floats, Floats, Floats, Floats]:
         """Slope (A,) of each arm away from its node, its stretch, and its beam's z range."""
