@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -11,7 +12,7 @@ import numpy as np
 
 from fabrication.boundary import Boundary
 from fabrication.drawings.placing import GAP, Break, PlacedView, Projected
-from fabrication.drawings.projection import seen, view_axes
+from fabrication.drawings.projection import Solid, view_axes
 from fabrication.drawings.sheet import Point, Rectangle
 from fabrication.drawings.views import View
 from fabrication.specs import TriangleMesh
@@ -60,13 +61,21 @@ def project(
 ) -> list[Projected]:
     """The views of a part, before they have a scale."""
     found = []
+    solid = Solid(boundary, mesh)
     for view in views:
         axes = view_axes(view.right, view.up)
-        curves = seen(boundary, mesh, axes)
+        curves = solid.seen(axes, math.inf if view.near is None else view.near)
         flat = mesh.vertices @ axes[:2].T
+        if view.near is not None and curves:
+            flat = np.concatenate([curve.points for curve in curves])
         low, high = flat.min(axis=0).tolist(), flat.max(axis=0).tolist()
         found.append(Projected(view, axes, curves, (low[0], low[1]), (high[0], high[1])))
     return found
+
+
+def extent_of(view: Projected) -> float:
+    """The smaller of its width and height [mm], in the part's own size."""
+    return min(view.high[0] - view.low[0], view.high[1] - view.low[1])
 
 
 def arrange(projected: Sequence[Projected], width: float, height: float) -> Arranged | None:
@@ -128,27 +137,39 @@ def _break(projected: Sequence[Projected], scale: float, width: float) -> Break 
     return Break(first + margin, last - margin)
 
 
+def _anchor(view: PlacedView) -> Point:
+    """What is in line with the other views: the origin, of a local view its middle."""
+    if view.view.near is None:
+        return (0.0, 0.0)
+    return (0.5 * (view.low[0] + view.high[0]), 0.5 * (view.low[1] + view.high[1]))
+
+
 def _grid(scale: float, views: Sequence[PlacedView]) -> Arranged:
     """Views in columns and rows; origins of one column are above each other, of one row level."""
-    extents = [view.extent() for view in views]
-    columns = sorted({view.view.column for view in views})
-    rows = sorted({view.view.row for view in views}, reverse=True)
+    anchors = [_anchor(view) for view in views]
+    boxes = []
+    for view, (ax, ay) in zip(views, anchors, strict=True):
+        (x0, y0), (x1, y1) = view.extent()
+        boxes.append((view.view, x0 - ax, y0 - ay, x1 - ax, y1 - ay))
     x_of: dict[int, float] = {}
     x = 0.0
-    for column in columns:
-        own = [e for v, e in zip(views, extents, strict=True) if v.view.column == column]
-        left, right = min(e[0][0] for e in own), max(e[1][0] for e in own)
+    for column in sorted({view.view.column for view in views}):
+        own = [box for box in boxes if box[0].column == column]
+        left, right = min(box[1] for box in own), max(box[3] for box in own)
         x_of[column] = x - left
         x += right - left + BETWEEN
     y_of: dict[int, float] = {}
     y = 0.0
-    for row in rows:
-        own = [e for v, e in zip(views, extents, strict=True) if v.view.row == row]
-        low, high = min(e[0][1] for e in own), max(e[1][1] for e in own)
+    for row in sorted({view.view.row for view in views}, reverse=True):
+        own = [box for box in boxes if box[0].row == row]
+        low, high = min(box[2] for box in own), max(box[4] for box in own)
         y_of[row] = y - high
         y -= high - low + BETWEEN
-    shifts = tuple((x_of[view.view.column], y_of[view.view.row]) for view in views)
-    return Arranged(scale, tuple(views), shifts, x - BETWEEN, -y)
+    shifts = tuple(
+        (x_of[view.view.column] - ax, y_of[view.view.row] - ay)
+        for view, (ax, ay) in zip(views, anchors, strict=True)
+    )
+    return Arranged(scale, tuple(views), shifts, x - BETWEEN, -y - BETWEEN)
 
 
 def into(arranged: Arranged, area: Rectangle) -> Iterator[tuple[PlacedView, Point]]:

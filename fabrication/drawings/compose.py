@@ -8,10 +8,11 @@ from typing import Final
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary
-from fabrication.drawings.arrange import Arranged, arrange, into, project, scale_text
+from fabrication.drawings.arrange import Arranged, arrange, extent_of, into, project, scale_text
 from fabrication.drawings.block import WIDE, Block, block_items, block_rectangle, frame_items
 from fabrication.drawings.lettering import LEAST, wrap
 from fabrication.drawings.lists import HEAD, LINE, by_columns, by_rows, list_items
+from fabrication.drawings.placing import Projected
 from fabrication.drawings.sheet import (
     A1,
     A2,
@@ -35,11 +36,18 @@ GAP: Final = 4.0
 PAPERS: Final = ((A4, 1.0 / 20.0), (A3, 1.0 / 50.0), (A2, 0.0), (A1, 0.0))
 """Papers, and the least scale at which a part is shown on each."""
 
+LEAST_VIEW: Final = 20.0
+LEAST_BROKEN: Final = 10.0
+"""The main view is to be so high and wide [mm], unless the part itself is smaller; that of a long
+part, which may be shown without its middle."""
+
 INSET: Final = 2.0
 """Room [mm] between lists and the frame."""
 
-MOST_OF_SHEET: Final = 0.45
-"""Lists take at most this part of the height that views and lists share on the first sheet."""
+PART_OF_SHEET: Final = 0.45
+MOST_OF_SHEET: Final = 0.65
+"""Lists take at most this part of the height that views and lists share on the first sheet; the
+larger one where they need no second sheet then."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +101,43 @@ class _Entry:
             yield Text((x, top - HEAD - LINE * (n + 1) + 1.1), line)
 
 
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """A paper with views and lists on it; good: the views are large enough for it."""
+
+    paper: Paper
+    arranged: Arranged
+    area: Rectangle
+    here: list[_Entry]
+    later: list[_Entry]
+    good: bool
+
+    @property
+    def crowded(self) -> int:
+        """How many texts found no good place."""
+        return sum(view.crowded for view in self.arranged.views)
+
+
+def _tries(projected: Sequence[Projected], entries: Sequence[_Entry]) -> Iterator[_Tried]:
+    """Papers from the smallest; on A4 all lists below the views, if they may, then a part."""
+    main = projected[0]
+    size = extent_of(main)
+    wanted = LEAST_BROKEN if main.view.breaks else LEAST_VIEW
+    total = sum(entry.height for entry in entries) / _column_rectangle(A4).height
+    for paper, least in PAPERS:
+        shares: tuple[float, ...] = (PART_OF_SHEET,)
+        if paper is A4 and PART_OF_SHEET < total <= MOST_OF_SHEET:
+            shares = (MOST_OF_SHEET, PART_OF_SHEET)
+        for share in shares:
+            here, later, area = _room(paper, entries, share)
+            arranged = arrange(projected, area.width, area.height)
+            if arranged is not None:
+                scale = arranged.scale
+                large = scale >= 1.0 or scale * size >= wanted - 1e-9
+                good = large and scale >= least - 1e-12
+                yield _Tried(paper, arranged, area, here, later, good)
+
+
 def part_sheets(
     drawing: Drawing,
     boundary: Boundary | None,
@@ -110,21 +155,18 @@ def part_sheets(
     """
     projected = project(drawing.views, boundary, mesh)
     entries = list(_entries([*drawing.lists, *extra, *_notes(drawing)]))
-    best: tuple[Paper, Arranged, Rectangle, list[_Entry], list[_Entry]] | None = None
-    for paper, least in PAPERS:
-        here, later, area = _room(paper, entries)
-        arranged = arrange(projected, area.width, area.height)
-        if arranged is None:
-            continue
-        crowded = sum(view.crowded for view in arranged.views)
-        if best is None or crowded < sum(view.crowded for view in best[1].views):
-            best = (paper, arranged, area, here, later)
-        if arranged.scale >= least - 1e-12 and not crowded:
-            best = (paper, arranged, area, here, later)
+    best: _Tried | None = None
+    for tried in _tries(projected, entries):
+        if best is None or tried.crowded < best.crowded:
+            best = tried
+        if tried.good and not tried.crowded:
+            best = tried
             break
     if best is None:
         raise DetailError(f"the sheet of {subject} fits no paper up to A1 at any scale of ISO 5455")
-    paper, arranged, area, here, later = best
+    paper, arranged, area, here, later = (
+        best.paper, best.arranged, best.area, best.here, best.later,
+    )  # fmt: skip
     block = replace(block, scale=scale_text(arranged.scale))
     rest = list(_pages(later))
     count = 1 + len(rest)
@@ -170,11 +212,13 @@ def _column_rectangle(paper: Paper) -> Rectangle:
     return Rectangle(about.x0 + INSET, about.y1, about.x1 - INSET, frame.y1 - GAP)
 
 
-def _room(paper: Paper, entries: Sequence[_Entry]) -> tuple[list[_Entry], list[_Entry], Rectangle]:
+def _room(
+    paper: Paper, entries: Sequence[_Entry], share: float
+) -> tuple[list[_Entry], list[_Entry], Rectangle]:
     """The entries on the first sheet, those on later ones, and the room for views."""
     column, frame = _column_rectangle(paper), frame_of(paper)
     beside = column.x0 > frame.x0 + 10.0
-    most = column.height if beside else MOST_OF_SHEET * column.height
+    most = column.height if beside else share * column.height
     here: list[_Entry] = []
     later: list[_Entry] = []
     used = 0.0

@@ -120,8 +120,10 @@ def page_of(sheet: Sheet, group: str = "") -> Page:
 
 def pdf_bytes(pages: Sequence[Page], title: str, author: str = "", subject: str = "") -> bytes:
     """Pages as a PDF with bookmarks; the same pages give the same bytes."""
+    from reportlab import rl_config
     from reportlab.pdfgen.canvas import Canvas
 
+    rl_config.useA85 = 0  # streams as bytes: a fifth smaller, and much faster
     stream = io.BytesIO()
     canvas = Canvas(stream, pageCompression=1, invariant=1)
     canvas.setTitle(title)

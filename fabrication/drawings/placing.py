@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final
-
-import numpy as np
+from typing import Final, NamedTuple
 
 from ddgfab.mesh import Floats
 from fabrication.boundary import Vec
@@ -43,13 +41,29 @@ class Projected:
     high: Point
 
 
-@dataclass(frozen=True)
-class Candidate:
-    """One way to show something: its text, the lines that go with it, and how much it is liked."""
+def view_basis(projected: Projected) -> tuple[Vec, Vec]:
+    """What points to the right and up on paper, as plain numbers."""
+    (a, b, c), (d, e, f), _ = projected.axes.tolist()
+    return (a, b, c), (d, e, f)
+
+
+def _nothing() -> tuple[Item, ...]:
+    return ()
+
+
+class Candidate(NamedTuple):
+    """One way to show something.
+
+    strokes : its lines that may lie on other lines: extension lines, leaders
+    lines : those that may not: dimension lines
+    draw : gives the items beside the text
+    dislike : what it costs beside what it lies on
+    """
 
     text: Text
     strokes: tuple[Stroke, ...] = ()
-    items: tuple[Item, ...] = ()
+    lines: tuple[Stroke, ...] = ()
+    draw: Callable[[], tuple[Item, ...]] = _nothing
     dislike: float = 0.0
 
 
@@ -58,7 +72,7 @@ class PlacedView:
 
     def __init__(self, projected: Projected, scale: float, cut: Break | None = None) -> None:
         self.view, self.scale, self.cut = projected.view, scale, cut
-        self._axes = projected.axes
+        self._right, self._up = view_basis(projected)
         self.room = Room()
         self.outlines: list[Item] = []
         self.items: list[Item] = []
@@ -84,13 +98,19 @@ class PlacedView:
 
     def at(self, point: Vec) -> Point:
         """A point of the part on paper."""
-        u, v, _ = self._axes @ np.array(point)
-        return self._paper(float(u), float(v))
+        return self._paper(*self.way(point))
 
     def way(self, direction: Vec) -> Point:
         """A direction of the part on paper, in the part's own size."""
-        u, v, _ = self._axes @ np.array(direction)
-        return (float(u), float(v))
+        x, y, z = direction
+        (a, b, c), (d, e, f) = self._right, self._up
+        return (a * x + b * y + c * z, d * x + e * y + f * z)
+
+    def reach(self, normal: Point) -> float:
+        """How far [mm] the part reaches on paper along a direction."""
+        nx, ny = normal
+        (x0, y0), (x1, y1) = self.low, self.high
+        return max(x0 * nx, x1 * nx) + max(y0 * ny, y1 * ny)
 
     def crosses_break(self, *points: Point) -> bool:
         """Whether the middle that is left out lies between points on paper."""
@@ -157,12 +177,19 @@ class PlacedView:
         """The candidate that costs least; the first one that costs nothing."""
         chosen: Candidate | None = None
         least = math.inf
+        known: dict[tuple[tuple[Stroke, ...], tuple[Stroke, ...]], float] = {}
         for candidate in candidates:
             if candidate.dislike >= least:
                 continue
-            cost = candidate.dislike + self.room.cost(
-                candidate.text, candidate.strokes, least - candidate.dislike
-            )
+            cost = candidate.dislike
+            cost += self.room.cost(candidate.text, least - cost)
+            if cost >= least:
+                continue
+            own = (candidate.strokes, candidate.lines)
+            if own not in known:
+                known[own] = self.room.cost_of_lines(own[1], least - cost, alone=True)
+                known[own] += self.room.cost_of_lines(own[0], least - cost, alone=False)
+            cost += known[own]
             if cost < least:
                 chosen, least = candidate, cost
             if cost - candidate.dislike < GOOD:

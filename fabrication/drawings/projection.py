@@ -2,26 +2,25 @@
 
 Edges come from the exact boundary, with the outlines of its cylinders; where a shape has none, from
 the creases of its mesh. They are cut where they cross on paper; a piece is hidden when a triangle
-of the mesh lies before its middle.
+of the mesh lies before its middle. Of a convex part the sides that face the viewer are seen.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Final, TypeAlias
+from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ddgfab.mesh import Floats
-from fabrication.boundary import Boundary, Vec
+from ddgfab.mesh import Floats, Ints
+from fabrication.boundary import Boundary, Vec, cross_rows
+from fabrication.drawings.crossings import crossings
+from fabrication.drawings.polylines import Polylines, Span
 from fabrication.specs import TriangleMesh
-
-_Piece: TypeAlias = tuple[int, float, float]
-"""A line, and from which to which part of its parameter 0..1."""
 
 STEP: Final = math.pi / 16.0
 """Arcs are followed by chords of this angle [rad]; those seen as circles are drawn as such."""
@@ -32,11 +31,14 @@ BEHIND: Final = 0.2
 CREASE: Final = math.cos(math.radians(20.0))
 """Triangles that meet at more than this angle have an edge between them."""
 
+SMOOTH: Final = 1.0 - 1e-9
+"""Faces whose normals agree by this much at their edge have no edge to be drawn."""
+
+EDGE_ON: Final = 1e-6
+"""A face whose normal leans towards the viewer by less is seen edge-on."""
+
 SHORT: Final = 1e-6
 """A line shorter than this [mm] on paper of the part's own size is a point."""
-
-SAME: Final = 1e-3
-"""Lines whose ends are nearer than this [mm] are one line."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,146 +55,229 @@ class Curve:
 
 def view_axes(right: Vec, up: Vec) -> Floats:
     """(3, 3) rows: right, up, and towards the viewer."""
-    u, v = np.array(right), np.array(up)
-    return np.array([u, v, np.cross(u, v)])
+    (a, b, c), (d, e, f) = right, up
+    return np.array([right, up, (b * f - c * e, c * d - a * f, a * e - b * d)])
 
 
-def seen(boundary: Boundary | None, mesh: TriangleMesh, axes: Floats) -> tuple[Curve, ...]:
-    """The edges of a part as seen along a direction, in the part's own size [mm]."""
-    if boundary is None:
-        lines = list(_creases(mesh, axes))
-        arcs: list[int] = [-1] * len(lines)
-    else:
-        lines, arcs = _edges(boundary, axes)
-        lines += _outlines(boundary, axes)
-        arcs += [-1] * (len(lines) - len(arcs))
-    flat = [(line, arc) for line, arc in zip(lines, arcs, strict=True) if _long(line)]
-    pieces: list[_Piece] = []
-    for edge, cuts in enumerate(_crossings([line for line, _ in flat])):
-        at = [0.0, *sorted(cuts), 1.0]
-        pieces += [(edge, a, b) for a, b in pairwise(at) if b - a > SHORT]
-    middles = [_part(flat[edge][0], a + 0.47 * (b - a), b)[0] for edge, a, b in pieces]
-    hidden = _hidden(np.array(middles).reshape(-1, 3), mesh, axes)
-    curves = []
-    for (edge, first, last), visible in _runs(_once(pieces, flat, hidden)):
-        line, arc = flat[edge]
-        circle = None
-        if arc >= 0 and boundary is not None:
-            circle = _circle(boundary, arc, axes, first, last)
-        curves.append(Curve(_part(line, first, last)[:, :2], visible, circle))
-    return tuple(curves)
+class Solid:
+    """A part to be seen from several sides: what does not depend on the direction is found once."""
 
+    def __init__(self, boundary: Boundary | None, mesh: TriangleMesh) -> None:
+        self.boundary, self.mesh = boundary, mesh
 
-def _once(
-    pieces: Sequence[_Piece], lines: Sequence[tuple[Floats, int]], hidden: NDArray[np.bool_]
-) -> Iterator[tuple[_Piece, bool]]:
-    """Pieces and whether they are visible; of those in one place on paper one, a visible one."""
-    taken: dict[tuple[int, ...], int] = {}
-    for k in np.argsort(hidden, kind="stable").tolist():
-        edge, first, last = pieces[k]
-        points = _part(lines[edge][0], first, last)[:, :2]
-        ends = sorted([points[0].tolist(), points[-1].tolist()])
-        middle = points[len(points) // 2].tolist() if len(points) > 2 else ends[0]
-        taken.setdefault(tuple(round(x / SAME) for end in (*ends, middle) for x in end), k)
-    for k in sorted(taken.values()):
-        yield pieces[k], not hidden[k]
+    def seen(self, axes: Floats, near: float = math.inf) -> tuple[Curve, ...]:
+        """The edges of the part as seen along a direction, in the part's own size [mm].
 
+        Parameters
+        ----------
+        axes : (3, 3) of `view_axes`
+        near : edges whose middles are farther behind the foremost point [mm] are left out
+        """
+        toward = axes[2]
+        boundary = self.boundary
+        if boundary is None:
+            lines = Polylines.straight(_creases(self.mesh, toward)).turned(axes)
+            arcs = np.full(lines.count, -1)
+        else:
+            facing = self._normals @ toward
+            drawn = np.flatnonzero(self._sharp | (np.abs(facing) < EDGE_ON).any(axis=1))
+            lines = self._lines.chosen(drawn)
+            arcs = boundary.edge_arc[drawn]
+            outlines = self._outlines(toward)
+            if len(outlines):
+                lines = lines.joined(Polylines.straight(outlines))
+                arcs = np.concatenate([arcs, np.full(len(outlines), -1)])
+            lines = lines.turned(axes)
+            if self._convex and near == math.inf:
+                visible = self._faced(drawn, facing, toward)
+                if visible is not None:
+                    visible = np.concatenate([visible, np.ones(len(outlines), dtype=bool)])
+                    spans = lines.whole()
+                    return self._curves(lines, arcs, spans, visible[spans.line], axes)
+        spans = lines.cut(crossings(lines))
+        middles = lines.at(spans.line, spans.first + 0.47 * (spans.last - spans.first))
+        if near < math.inf:
+            kept = np.flatnonzero(middles[:, 2] >= lines.points[:, 2].max() - near)
+            spans, middles = spans.chosen(kept), middles[kept]
+        return self._curves(lines, arcs, spans, ~_hidden(middles, self.mesh, axes), axes)
 
-def _runs(pieces: Iterator[tuple[_Piece, bool]]) -> Iterator[tuple[_Piece, bool]]:
-    """Pieces of one edge that follow each other and are both visible, or both hidden, as one."""
-    held: tuple[_Piece, bool] | None = None
-    for piece, visible in pieces:
-        if held is not None:
-            (edge, first, last), before = held
-            if edge == piece[0] and before == visible and abs(piece[1] - last) < SHORT:
-                held = ((edge, first, piece[2]), visible)
+    # --- what does not depend on the direction -----------------------------------------------
+    @cached_property
+    def _lines(self) -> Polylines:
+        """Every edge of the boundary, arcs by chords."""
+        boundary = self.boundary
+        assert boundary is not None
+        ends = boundary.points[boundary.edges]
+        counts = np.full(len(ends), 2)
+        first, last = boundary.arc_range.T
+        arcs = boundary.edge_arc
+        is_arc = arcs >= 0
+        if is_arc.any():
+            steps = np.maximum(2, np.ceil((last - first) / STEP - 1e-9).astype(np.int64))
+            counts[is_arc] = steps[arcs[is_arc]] + 1
+        start = np.concatenate([[0], np.cumsum(counts)])
+        points = np.empty((start[-1], 3))
+        points[start[:-1]], points[start[1:] - 1] = ends[:, 0], ends[:, 1]
+        if is_arc.any():
+            edge = np.repeat(np.flatnonzero(is_arc), counts[is_arc])
+            at = np.arange(len(edge)) - np.repeat(
+                np.cumsum(counts[is_arc]) - counts[is_arc], counts[is_arc]
+            )
+            arc = arcs[edge]
+            t = first[arc] + at / (counts[edge] - 1) * (last[arc] - first[arc])
+            points[start[edge] + at] = (
+                boundary.arc_center[arc]
+                + np.cos(t)[:, None] * boundary.arc_a[arc]
+                + np.sin(t)[:, None] * boundary.arc_b[arc]
+            )
+        return Polylines(points, start)
+
+    @cached_property
+    def _faces(self) -> Ints:
+        """(E, 2) both faces of every edge."""
+        assert self.boundary is not None
+        order = np.argsort(self.boundary.coedge_edge, kind="stable")
+        return self.boundary.coedge_face[order].reshape(-1, 2)
+
+    def _normal(self, face: Ints, points: Floats) -> Floats:
+        """Outward normals of faces at points."""
+        boundary = self.boundary
+        assert boundary is not None
+        normals = boundary.face_axis[face].copy()
+        round_ = boundary.face_cylinder[face]
+        if round_.any():
+            own = face[round_]
+            away = points[round_] - boundary.face_origin[own]
+            axis = boundary.face_axis[own]
+            away -= np.sum(away * axis, axis=1)[:, None] * axis
+            away *= (boundary.face_sign[own] / np.linalg.norm(away, axis=1))[:, None]
+            normals[round_] = away
+        return normals
+
+    @cached_property
+    def _normals(self) -> Floats:
+        """(E, 2, 3) normals of both faces in the middle of every edge."""
+        middles = self._lines.at(np.arange(len(self._faces)), np.full(len(self._faces), 0.5))
+        both = [self._normal(self._faces[:, k], middles) for k in (0, 1)]
+        return np.stack(both, axis=1)
+
+    @cached_property
+    def _sharp(self) -> NDArray[np.bool_]:
+        """(E,) whether the faces of an edge do not go over into each other."""
+        return np.asarray(np.sum(self._normals[:, 0] * self._normals[:, 1], axis=1) < SMOOTH)
+
+    @cached_property
+    def _convex(self) -> bool:
+        """Whether all of the part lies behind each of its faces."""
+        boundary = self.boundary
+        assert boundary is not None
+        if len(boundary.loop_face) > boundary.n_faces or (boundary.face_sign < 0.0).any():
+            return False
+        flat = ~boundary.face_cylinder
+        normals, points = boundary.face_axis[flat], self._lines.points
+        before = points @ normals.T - np.sum(boundary.face_origin[flat] * normals, axis=1)
+        return bool(before.max() < 1e-6)
+
+    # --- what does ---------------------------------------------------------------------------
+    def _faced(self, drawn: Ints, facing: Floats, toward: Floats) -> NDArray[np.bool_] | None:
+        """Which edges of a convex part are seen; None where an arc is seen in part."""
+        boundary = self.boundary
+        assert boundary is not None
+        own = facing[drawn]
+        edge_on = np.abs(own) <= EDGE_ON
+        visible = np.asarray((own > EDGE_ON).any(axis=1) | edge_on.all(axis=1))
+        bent = np.flatnonzero(boundary.edge_arc[drawn] >= 0)
+        if len(bent):
+            flat = own[bent][~boundary.face_cylinder[self._faces[drawn[bent]]]]
+            if len(flat) != len(bent) or (np.abs(flat) < EDGE_ON).any():
+                return None
+            behind = boundary.edge_arc[drawn[bent[flat < 0.0]]]
+            for half in (boundary.arc_a, boundary.arc_b):
+                if (np.abs(half[behind] @ toward) > EDGE_ON).any():
+                    return None
+        return visible
+
+    def _outlines(self, toward: Floats) -> Floats:
+        """(n, 2, 3) where the cylinders turn away from the viewer: lines along their axes."""
+        boundary = self.boundary
+        assert boundary is not None
+        round_ = np.flatnonzero(boundary.face_cylinder)
+        if not len(round_):
+            return np.empty((0, 2, 3))
+        across = cross_rows(boundary.face_axis[round_], np.tile(toward, (len(round_), 1)))
+        size = np.linalg.norm(across, axis=1)
+        found = []
+        for face, way, long in zip(round_.tolist(), across, size.tolist(), strict=True):
+            if long < SHORT:
                 continue
-            yield held
-        held = (piece, visible)
-    if held is not None:
-        yield held
+            axis, origin = boundary.face_axis[face], boundary.face_origin[face]
+            points, joins = self._border(face)
+            for normal in (way / long, -way / long):
+                foot = origin + boundary.face_radius[face] * normal
+                for low, high in _generators(points - origin, joins, axis, normal):
+                    found.append((foot + low * axis, foot + high * axis))
+        return np.array(found).reshape(-1, 2, 3)
+
+    def _border(self, face: int) -> tuple[Floats, NDArray[np.bool_]]:
+        """Points along the edges of a face, and whether each goes on to the next."""
+        assert self.boundary is not None
+        edges = self.boundary.coedge_edge[self.boundary.coedge_face == face]
+        lines = self._lines.chosen(edges)
+        joins = np.ones(len(lines.points), dtype=bool)
+        joins[lines.start[1:] - 1] = False
+        return lines.points, joins[:-1]
+
+    def _curves(
+        self, lines: Polylines, arcs: Ints, spans: Span, visible: NDArray[np.bool_], axes: Floats
+    ) -> tuple[Curve, ...]:
+        """Pieces of lines as curves: each place on paper once, pieces that follow as one."""
+        spans, visible = lines.once(spans, visible)
+        curves = []
+        for line, first, last, is_seen in spans.runs(visible):
+            circle, arc = None, int(arcs[line])
+            if arc >= 0 and self.boundary is not None:
+                circle = _circle(self.boundary, arc, axes, first, last)
+            curves.append(Curve(lines.part(line, first, last)[:, :2], is_seen, circle))
+        return tuple(curves)
 
 
-def _long(line: Floats) -> bool:
-    """Whether a line is seen as more than a point."""
-    return bool(np.abs(np.ptp(line[:, :2], axis=0)).max() > SHORT)
+def _generators(
+    away: Floats, joins: NDArray[np.bool_], axis: Floats, normal: Floats
+) -> Sequence[tuple[float, float]]:
+    """From where to where along its axis a cylinder has the line in a direction from the axis.
 
-
-def _edges(boundary: Boundary, axes: Floats) -> tuple[list[Floats], list[int]]:
-    """Every edge as points (n, 3) in the axes of the view, and its arc, -1 for a line."""
-    ends = boundary.points[boundary.edges] @ axes.T
-    lines: list[Floats] = []
-    arcs: list[int] = boundary.edge_arc.tolist()
-    center, a, b = (x @ axes.T for x in (boundary.arc_center, boundary.arc_a, boundary.arc_b))
-    for edge, arc in enumerate(arcs):
-        if arc < 0:
-            lines.append(ends[edge])
-            continue
-        first, last = boundary.arc_range[arc]
-        t = np.linspace(first, last, max(2, math.ceil((last - first) / STEP)) + 1)[:, None]
-        lines.append(center[arc] + np.cos(t) * a[arc] + np.sin(t) * b[arc])
-    return lines, arcs
+    away : (n, 3) points of its border, from a point of the axis
+    joins : (n - 1,) whether a point goes on to the next
+    """
+    other = np.cross(axis, normal)
+    side, ahead, along = away @ other, away @ normal, away @ axis
+    meets = np.flatnonzero(joins & ((side[:-1] > 0.0) != (side[1:] > 0.0)))
+    if not len(meets):
+        return []
+    s = side[meets] / (side[meets] - side[meets + 1])
+    front = ahead[meets] + s * (ahead[meets + 1] - ahead[meets]) > 0.0
+    heights = np.sort((along[meets] + s * (along[meets + 1] - along[meets]))[front]).tolist()
+    return list(zip(heights[::2], heights[1::2], strict=False))
 
 
 def _circle(
     boundary: Boundary, arc: int, axes: Floats, first: float, last: float
 ) -> tuple[float, float, float, float, float] | None:
     """Circle of a piece of an arc, from one part of it to another; None where it is an ellipse."""
-    center = axes[:2] @ boundary.arc_center[arc]
-    a, b = axes[:2] @ boundary.arc_a[arc], axes[:2] @ boundary.arc_b[arc]
-    radius = float(np.hypot(*a))
-    if abs(radius - np.hypot(*b)) > SHORT or abs(a @ b) > SHORT * radius:
+    vectors = np.array([boundary.arc_center[arc], boundary.arc_a[arc], boundary.arc_b[arc]])
+    (x, y), (a, c), (b, d) = (vectors @ axes[:2].T).tolist()
+    radius = math.hypot(a, c)
+    if abs(radius - math.hypot(b, d)) > SHORT or abs(a * b + c * d) > SHORT * radius:
         return None
-    begin, end = boundary.arc_range[arc]
-    turned = math.atan2(a[1], a[0])
-    sense = 1.0 if a[0] * b[1] - a[1] * b[0] > 0.0 else -1.0
+    begin, end = boundary.arc_range[arc].tolist()
+    turned = math.atan2(c, a)
+    sense = 1.0 if a * d - c * b > 0.0 else -1.0
     angles = sorted(turned + sense * (begin + s * (end - begin)) for s in (first, last))
-    return (float(center[0]), float(center[1]), radius, angles[0], angles[1])
+    return (x, y, radius, angles[0], angles[1])
 
 
-def _outlines(boundary: Boundary, axes: Floats) -> list[Floats]:
-    """Where the cylinders turn away from the viewer: lines along their axes, (2, 3) each."""
-    found = []
-    for face in np.flatnonzero(boundary.face_cylinder).tolist():
-        axis = boundary.face_axis[face]
-        across = np.cross(axis, axes[2])
-        size = float(np.linalg.norm(across))
-        if size < SHORT:
-            continue
-        for normal in (across / size, -across / size):
-            for low, high in _generators(boundary, face, normal):
-                foot = boundary.face_origin[face] + boundary.face_radius[face] * normal
-                found.append(np.array([foot + low * axis, foot + high * axis]) @ axes.T)
-    return found
-
-
-def _generators(boundary: Boundary, face: int, normal: Floats) -> Iterator[tuple[float, float]]:
-    """From where to where along its axis a cylinder has the line in a direction from the axis."""
-    axis, origin = boundary.face_axis[face], boundary.face_origin[face]
-    other = np.cross(axis, normal)
-    heights: list[float] = []
-    for coedge in np.flatnonzero(boundary.coedge_face == face).tolist():
-        edge = int(boundary.coedge_edge[coedge])
-        arc = int(boundary.edge_arc[edge])
-        if arc < 0:
-            points = boundary.points[boundary.edges[edge]]
-        else:
-            first, last = boundary.arc_range[arc]
-            t = np.linspace(first, last, max(2, math.ceil((last - first) / STEP)) + 1)[None]
-            points = boundary.arc_points(np.array([arc]), t)[0]
-        away = points - origin
-        side, ahead, along = away @ other, away @ normal, away @ axis
-        for k in range(len(points) - 1):
-            if (side[k] > 0.0) != (side[k + 1] > 0.0):
-                s = side[k] / (side[k] - side[k + 1])
-                if ahead[k] + s * (ahead[k + 1] - ahead[k]) > 0.0:
-                    heights.append(float(along[k] + s * (along[k + 1] - along[k])))
-    heights.sort()
-    yield from zip(heights[::2], heights[1::2], strict=False)
-
-
-def _creases(mesh: TriangleMesh, axes: Floats) -> Iterator[Floats]:
-    """Edges of a mesh that are sharp, or where it turns away from the viewer."""
+def _creases(mesh: TriangleMesh, toward: Floats) -> Floats:
+    """(n, 2, 3) edges of a mesh that are sharp, or where it turns away from the viewer."""
     corners = mesh.vertices[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
@@ -200,61 +285,37 @@ def _creases(mesh: TriangleMesh, axes: Floats) -> Iterator[Floats]:
     order = np.lexsort(pairs.T)
     edges = pairs[order][::2]
     one, two = (np.repeat(np.arange(len(corners)), 3)[order].reshape(-1, 2)).T
-    towards = normals @ axes[2]
+    facing = normals @ toward
     sharp = np.sum(normals[one] * normals[two], axis=1) < CREASE
-    turning = (towards[one] > 0.0) != (towards[two] > 0.0)
-    yield from mesh.vertices[edges[sharp | turning]] @ axes.T
+    turning = (facing[one] > 0.0) != (facing[two] > 0.0)
+    return np.asarray(mesh.vertices[edges[sharp | turning]])
 
 
-def _crossings(lines: list[Floats]) -> list[list[float]]:
-    """For every line, the parts 0..1 of its length in parameter where others cross it."""
-    counts = np.array([len(line) - 1 for line in lines], dtype=np.int64)
-    if not len(counts):
-        return []
-    owner = np.repeat(np.arange(len(lines)), counts)
-    place = np.concatenate([np.arange(n) for n in counts])
-    start = np.concatenate([line[:-1, :2] for line in lines])
-    way = np.concatenate([np.diff(line[:, :2], axis=0) for line in lines])
-    between = start[None, :, :] - start[:, None, :]
-    turn = way[:, None, 0] * way[None, :, 1] - way[:, None, 1] * way[None, :, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        s = (between[..., 0] * way[None, :, 1] - between[..., 1] * way[None, :, 0]) / turn
-        t = (between[..., 0] * way[:, None, 1] - between[..., 1] * way[:, None, 0]) / turn
-    slack = 1e-7
-    inside = (s > slack) & (s < 1.0 - slack) & (t > -slack) & (t < 1.0 + slack)
-    inside &= owner[:, None] != owner[None, :]
-    found: list[list[float]] = [[] for _ in lines]
-    for i, j in zip(*np.nonzero(inside), strict=True):
-        found[owner[i]].append(float(place[i] + s[i, j]) / float(counts[owner[i]]))
-    return found
-
-
-def _part(line: Floats, first: float, last: float) -> Floats:
-    """A line between two parts of its parameter."""
-    n = len(line) - 1
-    inner = [k for k in range(1, n) if first + 1e-9 < k / n < last - 1e-9]
-    parts = np.array([first, *(k / n for k in inner), last]) * n
-    low = np.minimum(parts.astype(np.int64), n - 1)
-    rest = (parts - low)[:, None]
-    return np.asarray(line[low] * (1.0 - rest) + line[low + 1] * rest)
-
-
-def _hidden(middle: Floats, mesh: TriangleMesh, axes: Floats) -> NDArray[np.bool_]:
+def _hidden(middles: Floats, mesh: TriangleMesh, axes: Floats) -> NDArray[np.bool_]:
     """Which points (n, 3) lie behind the part."""
     corners = (mesh.vertices @ axes.T)[mesh.triangles]
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    double = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    front = double > SHORT
-    a, b, c, double = a[front], b[front], c[front], double[front]
+    one, two, three = corners[:, 0], corners[:, 1], corners[:, 2]
+    double = (two[:, 0] - one[:, 0]) * (three[:, 1] - one[:, 1])
+    double -= (two[:, 1] - one[:, 1]) * (three[:, 0] - one[:, 0])
+    corners = corners[double > SHORT]
+    double = double[double > SHORT]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    x, y, z = middles.T[:, :, None]
+    near = (x >= low[:, 0]) & (x <= high[:, 0]) & (y >= low[:, 1]) & (y <= high[:, 1])
+    near &= z < high[:, 2] - BEHIND
+    point, triangle = np.nonzero(near)
+    p = middles[point]
+    a, b, c = (corners[triangle, k] for k in range(3))
 
-    def weight(p: Floats, q: Floats) -> Floats:
-        ahead = q - p
-        x = middle[:, None, 0] - p[None, :, 0]
-        y = middle[:, None, 1] - p[None, :, 1]
-        return np.asarray((ahead[None, :, 0] * y - ahead[None, :, 1] * x) / double[None])
+    def weight(q: Floats, r: Floats) -> Floats:
+        return np.asarray(
+            (r[:, 0] - q[:, 0]) * (p[:, 1] - q[:, 1]) - (r[:, 1] - q[:, 1]) * (p[:, 0] - q[:, 0])
+        )
 
-    first, second = weight(b, c), weight(c, a)
+    first, second = weight(b, c) / double[triangle], weight(c, a) / double[triangle]
     third = 1.0 - first - second
-    inside = (first > 0.0) & (second > 0.0) & (third > 0.0)
-    depth = first * a[None, :, 2] + second * b[None, :, 2] + third * c[None, :, 2]
-    return np.asarray((inside & (depth > middle[:, None, 2] + BEHIND)).any(axis=1))
+    depth = first * a[:, 2] + second * b[:, 2] + third * c[:, 2]
+    inside = (first > 0.0) & (second > 0.0) & (third > 0.0) & (depth > p[:, 2] + BEHIND)
+    hidden = np.zeros(len(middles), dtype=bool)
+    hidden[point[inside]] = True
+    return hidden

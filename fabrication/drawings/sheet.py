@@ -173,12 +173,16 @@ class Text:
         """How wide it is [mm]."""
         return text_width(self.text, self.height, self.bold)
 
-    def box(self, margin: float = 0.0) -> tuple[Point, Point, Point, Point]:
-        """Corners of the rectangle that it fills, counterclockwise, with a margin [mm]."""
+    def bounds(self, margin: float = 0.0) -> tuple[float, float, float, float]:
+        """Left, low, right and high side [mm] from its point, along it and up, with a margin."""
         width = self.width
         left = {"left": 0.0, "center": -0.5 * width, "right": -width}[self.anchor] - margin
-        right = left + width + 2.0 * margin
         low, high = -BELOW * self.height - margin, self.height + margin
+        return left, low, left + width + 2.0 * margin, high
+
+    def box(self, margin: float = 0.0) -> tuple[Point, Point, Point, Point]:
+        """Corners of the rectangle that it fills, counterclockwise, with a margin [mm]."""
+        left, low, right, high = self.bounds(margin)
         c, s = math.cos(self.angle), math.sin(self.angle)
         x, y = self.at
         corners = ((left, low), (right, low), (right, high), (left, high))

@@ -5,8 +5,8 @@ Shapes say this in their own frame; nothing here knows scales, paper or kinds of
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from fabrication.boundary import Vec
@@ -32,6 +32,7 @@ class View:
         from above at row -1, what is seen from the left at column 1
     hidden : whether lines that are hidden are drawn, dashed
     breaks : whether a long part may be shown without its middle, along `right`
+    near : a local view, of what is no farther than this behind its foremost point [mm]; None: all
     """
 
     title: str
@@ -42,6 +43,7 @@ class View:
     row: int = 0
     hidden: bool = True
     breaks: bool = False
+    near: float | None = None
 
 
 @dataclass(frozen=True)
@@ -67,15 +69,19 @@ class Drawing:
     lists: tuple[List, ...] = ()
     columns: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    words: Mapping[str, Any] = field(default_factory=dict)
 
 
 @runtime_checkable
 class Drawn(Protocol):
     """A shape that says what its sheet shows."""
 
-    def drawing(self) -> Drawing:
-        """Views with dimensions, lists and notes."""
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
+        """Views with dimensions, lists and notes.
+
+        Parameters
+        ----------
+        about : what the schedule says of all pieces alike, by column
+        """
         ...
 
 
@@ -87,14 +93,3 @@ def shown(value: float, places: int) -> str:
     """
     text = f"{value:.{places}f}"
     return text.lstrip("-") if float(text) == 0.0 else text
-
-
-def three_views(measures: Sequence[Sequence[Measure]] = ((), (), ())) -> tuple[View, ...]:
-    """From the front, from above and from the left, in first-angle projection."""
-    front, above, left = (tuple(own) for own in measures)
-    x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    return (
-        View("front", x, z, front),
-        View("from above", x, y, above, row=-1),
-        View("from the left", (0.0, -1.0, 0.0), z, left, column=1),
-    )

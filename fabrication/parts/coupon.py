@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Vec
@@ -13,6 +13,9 @@ from fabrication.solids.builder import BoundaryBuilder, Coedges
 from fabrication.solids.text import Label, label_size, label_volume, write_label
 from fabrication.specs import Kind
 from fabrication.variants import Variants, key_of
+
+if TYPE_CHECKING:
+    from fabrication.drawings.views import Drawing
 
 COUPON: Final = Kind(
     role="coupon",
@@ -63,6 +66,12 @@ class CouponShape:
     def second_volume(self) -> float:
         """Plate less bores and labels."""
         return coupon_volume(self)
+
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
+        """What its sheet shows."""
+        from fabrication.parts.turned_drawing import coupon_drawing
+
+        return coupon_drawing(self)
 
     def dimensions(self) -> dict[str, Any]:
         """Thickness."""

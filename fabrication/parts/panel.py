@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -99,7 +99,7 @@ class PanelShape:
             found[f"edge_{k}_mm"], found[f"angle_{k}_deg"] = length, angle
         return found
 
-    def drawing(self) -> Drawing:
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
         """Seen from outside, side 1 at the bottom."""
         from fabrication.parts.panel_drawing import panel_drawing
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from fabrication.boundary import Vec
-from fabrication.drawings.measures import Angle, Label, Length, Note
+from fabrication.drawings.angles import Angle
+from fabrication.drawings.lengths import Length
+from fabrication.drawings.notes import Label, Note
 from fabrication.drawings.views import Drawing, Measure, View
 from fabrication.solids.polygon import side_vectors, turns
 
@@ -36,8 +38,7 @@ def panel_drawing(shape: PanelShape) -> Drawing:
     right: Vec = (float(along[0, 0]), float(along[0, 1]), 0.0)
     up: Vec = (-right[1], right[0], 0.0)
     at: list[Vec] = [(x, y, shape.thickness) for x, y in corners.tolist()]
-    measures: list[Measure] = [*_corners(shape, at), *_sides(at)]
-    measures += _diagonals(at)
+    measures: list[Measure] = [*_sides(at), *_corners(at), *_diagonals(at)]
     measures += _angles(at, along.tolist(), np.degrees(np.pi - turns(corners)).tolist())
     measures.append(Note("piece mark", at[0], toward=(-up[0], -up[1], 0.0)))
     notes = [
@@ -65,7 +66,7 @@ def _thickness(shape: PanelShape, right: Vec) -> Length:
     return Length("thickness_mm", (x, y, 0.0), (x, y, shape.thickness), "across", "above")
 
 
-def _corners(shape: PanelShape, at: list[Vec]) -> list[Measure]:
+def _corners(at: list[Vec]) -> list[Measure]:
     """Numbers of the corners, outside."""
     middle = np.mean(np.array(at), axis=0)
     return [

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Vec
@@ -13,6 +13,9 @@ from fabrication.solids.builder import BoundaryBuilder
 from fabrication.solids.drum import drum
 from fabrication.specs import Kind
 from fabrication.variants import Variants, key_of
+
+if TYPE_CHECKING:
+    from fabrication.drawings.views import Drawing
 
 PIN: Final = Kind(
     role="pin",
@@ -57,6 +60,12 @@ class PinShape:
     def second_volume(self) -> float:
         """Sum of cylinders."""
         return pin_volume(self)
+
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
+        """What its sheet shows."""
+        from fabrication.parts.turned_drawing import pin_drawing
+
+        return pin_drawing(self)
 
     def dimensions(self) -> dict[str, Any]:
         """Length and diameter."""

@@ -7,9 +7,9 @@ each, so that nothing stands out between and beside them.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from fabrication.solids.section import Segment, segments
 from fabrication.solids.sweep import End, walls
 from fabrication.specs import Kind, Loop
 from fabrication.variants import Variants, key_of
+
+if TYPE_CHECKING:
+    from fabrication.drawings.views import Drawing
 
 SPOOL: Final = Kind(
     role=NODE.role,
@@ -139,6 +142,12 @@ class SpoolShape:
             for azimuth in self.azimuths
             for step in self.steps
         ]
+
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
+        """What its sheet shows."""
+        from fabrication.parts.plate_nodes_drawing import spool_drawing
+
+        return spool_drawing(self, about)
 
     def dimensions(self) -> dict[str, Any]:
         """Diameters, height, sizes of the discs."""

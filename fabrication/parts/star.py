@@ -7,10 +7,10 @@ milled from one piece.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Final, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from fabrication.solids.section import segments
 from fabrication.solids.sweep import End, sweep
 from fabrication.specs import Kind, Loop
 from fabrication.variants import Variants, key_of
+
+if TYPE_CHECKING:
+    from fabrication.drawings.views import Drawing
 
 STAR: Final = Kind(
     role=NODE.role,
@@ -140,6 +143,12 @@ class StarShape:
     def section(self) -> Section:
         """The section across the axis."""
         return star_section(self)
+
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
+        """What its sheet shows."""
+        from fabrication.parts.plate_nodes_drawing import star_drawing
+
+        return star_drawing(self, about)
 
     def dimensions(self) -> dict[str, Any]:
         """Diameter over the plates, height, thickness."""

@@ -85,7 +85,8 @@ def measured(sheet: Sheet, dimension: Dimension) -> float | None:
         return None
     if len(feet) == 3:
         a, b = feet[1] - feet[0], feet[2] - feet[0]
-        return math.degrees(math.atan2(abs(a[0] * b[1] - a[1] * b[0]), a @ b))
+        angle = math.degrees(math.atan2(abs(a[0] * b[1] - a[1] * b[0]), a @ b))
+        return 360.0 - angle if dimension.value > 180.0 else angle
     scale = next(
         view.scale
         for view in sheet.views

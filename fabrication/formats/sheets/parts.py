@@ -8,8 +8,9 @@ from typing import Any, Final
 
 from fabrication.drawings.block import Block
 from fabrication.drawings.compose import Paragraph, part_sheets
+from fabrication.drawings.overall import overall_drawing
 from fabrication.drawings.sheet import Sheet
-from fabrication.drawings.views import Drawing, Drawn, List, shown, three_views
+from fabrication.drawings.views import Drawn, List, shown
 from fabrication.formats.base import Part, Provenance, Row, Whole
 from fabrication.formats.tables import NUMBER, heading, plain, shown_decimals
 from fabrication.specs import Family
@@ -18,6 +19,9 @@ BOUGHT: Final = "IfcMechanicalFastener"
 """Class of what is bought and needs no sheet."""
 
 DOCUMENT: Final = "Part drawing"
+
+MOST_NUMBERS: Final = 100
+"""No part has so many sides or arms."""
 
 
 def is_drawn(family: Family) -> bool:
@@ -62,7 +66,7 @@ def sheets_of(
     failed : marks of pieces that must not be made
     """
     shape = part.shape
-    drawing = shape.drawing() if isinstance(shape, Drawn) else Drawing(three_views())
+    drawing = shape.drawing(alike(rows)) if isinstance(shape, Drawn) else overall_drawing(part.mesh)
     marks = [instance.mark for instance in part.family.instances]
     good = [mark for mark in marks if mark not in failed]
     bad = [mark for mark in marks if mark in failed]
@@ -96,44 +100,83 @@ def block_of(about: Provenance, part: Part, order: Row, quantity: int) -> Block:
     )
 
 
+def alike(rows: Sequence[Row]) -> dict[str, Any]:
+    """What a schedule says of all these pieces alike, as sheets write it, by column."""
+    first, *others = rows or ({},)
+    found = {}
+    for name, value in first.items():
+        text = cell(value, name)
+        if text and all(cell(row.get(name), name) == text for row in others):
+            found[name] = value
+    return found
+
+
 def lists_of(columns: Sequence[str], rows: Sequence[Row]) -> Iterator[List]:
-    """Columns of a schedule: by their number what all pieces share, by piece what they do not."""
-    have = list(dict.fromkeys(key for row in rows for key in row))
-    numbered = [name for name in columns if NUMBER in name]
-    counts = [k for k in range(1, 100) if any(n.format(k=k) in have for n in numbered)]
-    common: list[str] = []
-    varied: list[str] = [name for name in columns if NUMBER not in name and name in have]
-    for name in numbered:
-        own = [name.format(k=k) for k in counts if name.format(k=k) in have]
-        if own:
-            same = all(len({cell(row.get(key), key) for row in rows}) == 1 for key in own)
-            (common if same else varied).append(name)
-    used = [k for k in counts if any(_filled(rows[0], name.format(k=k)) for name in common)]
-    if common and used:
-        keys = [(name, [name.format(k=k) for k in used]) for name in common]
+    """Columns of a schedule: what all pieces share, by number where it has one; the rest by piece.
+
+    Parameters
+    ----------
+    columns : names, with {k} for a number
+    """
+    if not rows:
+        return
+    shared = alike(rows)
+    numbers = {name: _numbers(name, rows) for name in columns}
+    single = [n for n in columns if NUMBER not in n and n in shared]
+    if single:
+        yield _data([(heading(name), cell(shared[name], name)) for name in single])
+    several = [
+        name
+        for name in columns
+        if numbers[name] and all(name.format(k=k) in shared for k in numbers[name])
+    ]
+    if several:
+        counted = sorted({k for name in several for k in numbers[name]})
         yield List(
-            "By side" if common[0].startswith("edge") else "By arm",
-            ("no.", *(heading(_plain(name)) for name, _ in keys)),
+            "By side" if several[0].startswith("edge") else "By arm",
+            ("no.", *(heading(_plain(name)) for name in several)),
             tuple(
-                (str(k), *(cell(rows[0].get(own[n]), own[n]) for _, own in keys))
-                for n, k in enumerate(used)
+                (str(k), *(cell(shared.get(n.format(k=k)), n.format(k=k)) for n in several))
+                for k in counted
             ),
         )
-    if varied and rows:
-        every = [
-            key
-            for name in varied
-            for key in ([name.format(k=k) for k in counts] if NUMBER in name else [name])
-            if any(_filled(row, key) for row in rows)
-        ]
-        if every:
-            yield List(
-                "By piece",
-                ("mark", *(heading(key) for key in every)),
-                tuple(
-                    (str(row["mark"]), *(cell(row.get(key), key) for key in every)) for row in rows
-                ),
-            )
+    varied = [
+        key
+        for name in columns
+        if name not in several and name not in single
+        for key in ([name.format(k=k) for k in numbers[name]] if NUMBER in name else [name])
+        if any(_filled(row, key) for row in rows)
+    ]
+    if varied:
+        yield List(
+            "By piece",
+            ("mark", *map(heading, varied)),
+            tuple((str(row["mark"]), *(cell(row.get(key), key) for key in varied)) for row in rows),
+        )
+
+
+def _data(values: Sequence[tuple[str, str]]) -> List:
+    """Names and values side by side, in up to three columns each."""
+    columns = max(1, min(3, len(values) // 2))
+    rows = -(-len(values) // columns)
+    padded = [*values, *[("", "")] * (rows * columns - len(values))]
+    return List(
+        "Data",
+        ("", "value") * columns,
+        tuple(
+            tuple(text for k in range(columns) for text in padded[n + k * rows])
+            for n in range(rows)
+        ),
+    )
+
+
+def _numbers(name: str, rows: Sequence[Row]) -> list[int]:
+    """The numbers for which a column has values."""
+    if NUMBER not in name:
+        return []
+    return [
+        k for k in range(1, MOST_NUMBERS) if any(_filled(row, name.format(k=k)) for row in rows)
+    ]
 
 
 def _plain(name: str) -> str:

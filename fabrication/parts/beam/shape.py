@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from fabrication.solids.plate import Blank
 from fabrication.specs import Kind, Profile
 from fabrication.standards.profiles import z_range
 from fabrication.variants import Variants
+
+if TYPE_CHECKING:
+    from fabrication.drawings.views import Drawing
 
 BEAM: Final = Kind(
     role="beam",
@@ -194,6 +197,12 @@ class BeamShape:
                 small, large = sorted((wide, high * math.hypot(1.0, cut.slope)))
                 found.append(Blank("plate inside an end", cut.stud.plate, small, large))
         return found
+
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
+        """What its sheet shows."""
+        from fabrication.parts.beam.drawing import beam_drawing
+
+        return beam_drawing(self)
 
     def stock(self) -> tuple[str, float]:
         """Name of the bar that it is sawn from, and the length to saw [mm]."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from fabrication.parts.link.volume import link_volume
 from fabrication.solids.text import Label
 from fabrication.specs import Kind
 from fabrication.variants import Variants
+
+if TYPE_CHECKING:
+    from fabrication.drawings.views import Drawing
 
 LINK: Final = Kind(
     role="link",
@@ -77,6 +80,12 @@ class LinkShape:
     def second_volume(self) -> float:
         """Eyes less bores, and the bar's length integrated over its section."""
         return link_volume(self)
+
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
+        """What its sheet shows."""
+        from fabrication.parts.link.drawing import link_drawing
+
+        return link_drawing(self)
 
     def dimensions(self) -> dict[str, Any]:
         """Length, twist and hand; eyes, bore at the start, and the label."""

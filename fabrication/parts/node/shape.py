@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Protocol, Self, TypeVar, runtime_checkable
+from typing import TYPE_CHECKING, Any, Final, Protocol, Self, TypeVar, runtime_checkable
 
 from fabrication.boundary import Boundary, Cut
 from fabrication.parts.node.boundary import SAME_AZIMUTH, node_geometry
@@ -13,6 +13,9 @@ from fabrication.parts.node.congruence import node_key, node_variants
 from fabrication.parts.node.volume import node_volume
 from fabrication.specs import Kind
 from fabrication.variants import Variants
+
+if TYPE_CHECKING:
+    from fabrication.drawings.views import Drawing
 
 NODE: Final = Kind(
     role="node",
@@ -101,6 +104,12 @@ class NodeShape:
     def second_volume(self) -> float:
         """Circle less the seats' segments and the bore, less the holes."""
         return node_volume(self)
+
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
+        """What its sheet shows."""
+        from fabrication.parts.node.drawing import node_drawing
+
+        return node_drawing(self, about)
 
     def dimensions(self) -> dict[str, Any]:
         """Diameter and height."""
