@@ -82,7 +82,7 @@ def test_a_coarse_mesh_has_the_energy_of_the_fine_one() -> None:
 
     fine = parts(mesh, move, weights)
     rough = parts(small, move[coarse.kept] / scale, weights.coarser(scale))
-    assert len(fine) == 5
+    assert len(fine) == 6
     for name, value in fine.items():
         assert rough[name] * scale**4 == pytest.approx(value, rel=0.25), name
 

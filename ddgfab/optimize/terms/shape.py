@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, diags_array, vstack
 
 from ddgfab.arguments import checked
-from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.mesh import Floats, Ints, Mesh, unit
 from ddgfab.optimize.problem import mean_edge
 from ddgfab.optimize.terms.base import LinearTerm, VectorTerm
 
@@ -169,6 +169,37 @@ def fair_movement(
             )
         )
     return tuple(terms)
+
+
+@checked
+def fair_rim(mesh: Mesh, weight: float, *, features: Ints | None = None) -> LinearTerm:
+    """The boundary moved without bends across itself: three rows for each of its vertices.
+
+    Second differences of the movement of boundary polylines, without their part along the
+    boundary, along which vertices may glide. In mean edges; 0 at corners of the boundary.
+
+    Parameters
+    ----------
+    features : as in `fairness`
+    """
+    triples = _triples(mesh, features)
+    triples = triples[mesh.boundary_vertex[triples[:, 1]]]
+    along = unit(mesh.vertices[triples[:, 2]] - mesh.vertices[triples[:, 0]])
+    across = np.eye(3) - along[:, :, None] * along[:, None, :]
+    second = np.array([1.0, -2.0, 1.0]) / mean_edge(mesh)
+    data = second[:, None] * across[:, :, None]
+    columns = np.broadcast_to(3 * triples[:, None, :, None] + np.arange(3), data.shape)
+    count = 3 * len(triples)
+    matrix = csr_array(
+        (data.ravel(), columns.ravel(), np.arange(0, data.size + 1, 9)),
+        shape=(count, 3 * mesh.n_vertices),
+    )
+    return LinearTerm(
+        name="fair boundary",
+        matrix=matrix,
+        target=np.asarray(matrix @ mesh.vertices.ravel()),
+        weight=weight,
+    )
 
 
 @checked
