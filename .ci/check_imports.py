@@ -64,6 +64,7 @@ ROOMS = [
     "specs",
     "version",
     "progress",
+    "processes",
     "standards",
     "solids",
     "drawings",

@@ -14,6 +14,7 @@ from multiprocessing import active_children, get_context, parent_process
 from typing import Any, Final, Protocol
 
 from ddgfab.errors import DdgError
+from fabrication.processes import expendable
 
 
 class WorkerLostError(DdgError):
@@ -211,8 +212,6 @@ def _interrupts_ignored() -> Iterator[None]:
 
 def _begin(kernel: bool) -> None:
     """Of a worker: end with the parent; if asked, load the kernel and keep it quiet."""
-    from fabrication.formats.step.apart import expendable
-
     for number in _OF_TERMINALS:
         with suppress(ValueError):
             signal.signal(number, signal.SIG_IGN)

@@ -15,7 +15,8 @@ from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats
 from fabrication.formats.base import Contents, Format, Whole
 from fabrication.linkage.page import MovingScene
-from fabrication.pictures.preview import ADVICE, camera
+from fabrication.pictures.apart import drawn
+from fabrication.pictures.preview import camera
 from fabrication.specs import Check
 
 ANIMATION: Final = "motion.gif"
@@ -88,16 +89,7 @@ def write_animation(path: Path, scene: MovingScene, *, size: tuple[int, int] = S
 
 def animation_gif(scene: MovingScene, *, size: tuple[int, int] = SIZE) -> bytes:
     """The bytes of the GIF; see `write_animation`."""
-    try:
-        import pyvista
-
-        with pyvista.vtk_verbosity("off"):
-            frames = _frames(pyvista, scene, size)
-    except ImportError as error:
-        raise OutputError(f"rendering needs pyvista: pip install pyvista ({error})") from error
-    except (RuntimeError, OSError, AttributeError) as error:
-        raise OutputError(f"this machine cannot render ({error}){ADVICE}") from error
-    return _gif(frames)
+    return _gif(drawn(_frames, scene, size))
 
 
 def chosen(count: int) -> NDArray[np.int64]:

@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats, Ints, Mesh
-from fabrication.pictures.preview import ADVICE, camera
+from fabrication.pictures.apart import drawn
+from fabrication.pictures.preview import camera
 from fabrication.pictures.sheet import png
 from fabrication.specs import Color
 
@@ -64,15 +64,7 @@ def write_panels(path: Path, panels: Sequence[FieldPlot], *, size: tuple[int, in
     OutputError
         The file cannot be written, or this machine cannot render; says what to install.
     """
-    try:
-        import pyvista
-
-        with pyvista.vtk_verbosity("off"):
-            picture = _rendered(pyvista, panels, size)
-    except ImportError as error:
-        raise OutputError(f"rendering needs pyvista: pip install pyvista ({error})") from error
-    except (RuntimeError, OSError, AttributeError) as error:
-        raise OutputError(f"this machine cannot render ({error}){ADVICE}") from error
+    picture = drawn(_rendered, panels, size)
     with atomic_path(path) as temporary:
         temporary.write_bytes(picture)
 

@@ -12,6 +12,7 @@ from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats, Ints
 from fabrication.formats.base import FAILED_COLOR
+from fabrication.pictures.apart import drawn
 from fabrication.pictures.closeup import (
     REACH,
     Closeup,
@@ -58,7 +59,6 @@ _DOT: Final = 5.0  # a node is at least so many of the 1600 pixels wide
 _FINE: Final = 0.008  # nodes narrower than this part of the picture are seen as such dots
 _LINE: Final = 0.8  # lines along beams are so much darker
 _CREASE_DEG: Final = 25.0  # edges sharper than this are drawn in the close-up
-ADVICE: Final = "; on Linux without a display VTK needs libEGL or libOSMesa (apt install libegl1)"
 
 
 def write_preview(
@@ -105,15 +105,7 @@ def render(
     pieces = placed(families, meshes, frozenset(failed))
     if not pieces:
         raise OutputError("no parts to render")
-    try:
-        import pyvista
-
-        with pyvista.vtk_verbosity("off"):  # it complains of a missing X server, does without
-            return _rendered(pyvista, pieces, size)
-    except ImportError as error:
-        raise OutputError(f"rendering needs pyvista: pip install pyvista ({error})") from error
-    except (RuntimeError, OSError, AttributeError) as error:
-        raise OutputError(f"this machine cannot render ({error}){ADVICE}") from error
+    return drawn(_rendered, pieces, size)
 
 
 def preview_png(families: Sequence[Family], *, size: tuple[int, int] = SIZE) -> bytes:

@@ -113,12 +113,12 @@ class Command:
             (target / "mine").write_text("keep")
         elif files - {"mine"} != self.files:
             return f"FAILED: files differ: {sorted((files - {'mine'}) ^ self.files)}"
-        if left := _processes(job.pid):
+        if left := processes_of(job.pid):
             return f"FAILED: processes are left: {left}"
         return f"{ended}, whole"
 
 
-def _processes(group: int) -> list[int]:
+def processes_of(group: int) -> list[int]:
     """Processes of a session that still run."""
     found = []
     for path in Path("/proc").glob("[0-9]*/stat"):

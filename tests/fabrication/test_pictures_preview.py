@@ -273,6 +273,8 @@ def test_a_roof_has_a_close_up_in_which_node_beams_and_glass_are_told_apart(
     in_a_fresh_interpreter(
         f"""
 import os
+from fabrication.processes import expendable
+expendable()  # draws in this process
 with_it, without, failed = (Path(f) for f in {[str(f) for f in files]!r})
 roof = t.roof(12)
 with_it.write_bytes(roof._repr_png_())
@@ -303,6 +305,7 @@ def test_a_machine_that_cannot_render_is_told_what_to_install(monkeypatch: Any) 
     def broken(*_: Any) -> bytes:
         raise RuntimeError("no GL")
 
+    monkeypatch.setattr("fabrication.pictures.apart.is_expendable", lambda: True)
     monkeypatch.setattr(preview, "_rendered", broken)
     with pytest.raises(OutputError, match="libEGL"):
         preview.render(*scene())

@@ -3,7 +3,7 @@
 One process loads the kernel, which takes seconds, and stays; for each file of others it makes a
 copy of itself, where the system can, which reads that file and ends. Memory and computing time are
 limited by the file's size. Processes that a job keeps for its parts read for themselves
-(`expendable`): the job goes on without one of them.
+(`processes.expendable`): the job goes on without one of them.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from typing import Any, BinaryIO, Final, TypeVar
 
 from ddgfab.errors import DdgError, InputError, KernelError, clipped
 from fabrication.formats.step.resources import limit_process
+from fabrication.processes import is_expendable
 
 SECONDS, SECONDS_PER_MB = 4.0, 40.0
 """Computing time [s] that a file may take, and more for each megabyte."""
@@ -40,13 +41,7 @@ _COPIES: Final = hasattr(os, "fork")
 """Whether a process can make a copy of itself."""
 
 _T = TypeVar("_T")
-_HERE: Final = [False]
 _LOCK: Final = threading.RLock()
-
-
-def expendable() -> None:
-    """State that this process may be lost: it reads by itself from now on."""
-    _HERE[0] = True
 
 
 def apart(function: Callable[..., _T], path: Path, *arguments: Any, foreign: bool = True) -> _T:
@@ -68,7 +63,7 @@ def apart(function: Callable[..., _T], path: Path, *arguments: Any, foreign: boo
         The process cannot be started.
     """
     size = _regular(path)
-    if _HERE[0]:
+    if is_expendable():
         return _timed(function, path, arguments, size)
     folder = None if path.is_absolute() else Path.cwd()
     with _LOCK:
