@@ -142,6 +142,8 @@ class ConnectionSettings(KindSection):
     bolt : size of studs and bolts
     bolt_class : their property class (ISO 898-1, ISO 3506-1); nuts and washers go with it
     grade : for the order: coating of the fasteners, tightening
+    ends : of beams with tongues: "slotted" (a slot in a flat bar), or "doubled" (two straps on
+        the sides of a thin one)
     bolts : of an end plate: 2, or more in rows of 2
     fastener : "stud" (DIN 976-1, with a nut) or "bolt" (ISO 4017) through the plate
     plate_mm : thickness of the plate, of a solid end, or of a tongue; "auto": the
@@ -160,6 +162,7 @@ class ConnectionSettings(KindSection):
     bolt: BoltSize = "M12"
     bolt_class: BoltClass = "8.8"
     grade: str = ""
+    ends: Literal["slotted", "doubled"] = "slotted"
     bolts: Literal[2, 4, 6, 8] = 2
     fastener: Literal["stud", "bolt"] = "stud"
     plate_mm: Literal["auto"] | Positive = "auto"

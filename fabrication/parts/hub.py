@@ -16,6 +16,7 @@ from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary
 from fabrication.parts.node import NODE
 from fabrication.parts.star import Section, StarShape, at, gaps, star_boundary
+from fabrication.solids.plate import Blank
 from fabrication.specs import Kind, Loop
 from fabrication.variants import key_of
 
@@ -119,6 +120,11 @@ class HubShape(StarShape):
         bar, length = self.stock()
         plate = f"{self.thickness:g} x {length:.1f} x {self.length - self.hub:.1f}"
         return f"{bar}, {length:.1f} long; {len(self.azimuths)} plates {plate}"
+
+    def blanks(self) -> list[Blank]:
+        """A plate for each arm, from the round surface outwards."""
+        small, large = sorted((self.z1 - self.z0, self.length - self.hub))
+        return [Blank("plate of a node", self.thickness, small, large)] * len(self.azimuths)
 
     def stock(self) -> tuple[str, float]:
         """Name of the bar that the hub is sawn from, and the length to saw [mm]."""

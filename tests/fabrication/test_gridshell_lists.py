@@ -46,6 +46,11 @@ VARIANTS: dict[str, dict[str, dict[str, object]]] = {
         "connection": {"kind": "bolted_tongue"},
         "ground": {"where": "boundary"},
     },
+    "straps": {
+        "beam": {"profile": "FL 100x12"},
+        "node": {"kind": "star"},
+        "connection": {"kind": "bolted_tongue", "ends": "doubled"},
+    },
     "glazed": {"panel": {"build_up": "8/16Ar/6.6.2", "edge": "mitred", "step_mm": 30.0}},
 }
 

@@ -109,6 +109,7 @@ def beam_specs(
                 _slot(how),
                 how.plate,
                 _comb(how, e, k),
+                None if how.tongue is None else how.tongue.straps,
             )
             for k, (at, how) in enumerate(zip((0.0, x), joined, strict=True))
         )
@@ -190,11 +191,9 @@ def _check_coped(frames: EdgeFrames, project: Project) -> None:
 def _check_mixed(ends: Ends) -> None:
     """Raise `DetailError` where the two ends of a beam cannot be made on one bar."""
     bad = [
-        f"beam {beam_mark(e)} has {start.kind} at its start and {end.kind} at its end"
-        for e, (start, end) in enumerate(ends.joined)
-        if start.kind != end.kind
-        and "welded" not in (start.kind, end.kind)
-        and not {start.kind, end.kind} <= set(ENDS)
+        f"beam {beam_mark(e)} has {start} at its start and {end} at its end"
+        for e, (start, end) in enumerate(map(_shown_kinds, ends.joined))
+        if start != end and "welded" not in (start, end) and not {start, end} <= set(ENDS)
     ]
     if bad:
         raise listed(
@@ -204,10 +203,21 @@ def _check_mixed(ends: Ends) -> None:
         )
 
 
+def _shown_kinds(joined: tuple[Joined, Joined]) -> tuple[str, str]:
+    """The kinds of both ends; tongues between straps are not those in slots."""
+    start, end = (
+        how.kind + " between straps" * (how.tongue is not None and how.tongue.straps is not None)
+        for how in joined
+    )
+    return start, end
+
+
 def _slot(joined: Joined) -> SlotEnd | None:
     """The slot that a tongue needs."""
     tongue = joined.tongue
-    return None if tongue is None else SlotEnd(tongue.slot, tongue.depth)
+    if tongue is None or tongue.straps is not None:
+        return None
+    return SlotEnd(tongue.slot, tongue.depth)
 
 
 def _cross_holes(

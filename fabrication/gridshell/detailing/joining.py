@@ -10,7 +10,7 @@ from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats, Ints, Mesh
 from fabrication.gridshell.detailing.arm_room import arm_width
 from fabrication.gridshell.detailing.connections import registry as connections
-from fabrication.gridshell.detailing.connections.base import Joined
+from fabrication.gridshell.detailing.connections.base import Connection, Joined
 from fabrication.gridshell.detailing.connections.bolts import MARK, bolt_specs
 from fabrication.gridshell.detailing.frames import Arms, EdgeFrames, node_mark
 from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
@@ -21,6 +21,7 @@ from fabrication.gridshell.detailing.sections import Sections
 from fabrication.gridshell.pieces import Bolt, Node
 from fabrication.gridshell.project import Project
 from fabrication.parts.node.shape import Upright
+from fabrication.specs import Profile
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +115,7 @@ def joined_places(
                 f"{sections.profiles[numbers[1]].name} meet at {node_mark(_mixed(own, profile_of))}"
                 "\ntake one [beam] profile"
             )
+        _check_tongues(connection, [sections.profiles[k] for k in numbers])
         width = max(
             max(arm_width(frames, profile, project), connection.arm_width(profile))
             for profile in (sections.profiles[k] for k in numbers)
@@ -133,6 +135,17 @@ def joined_places(
         parts = tuple((joints, connection.fit(joints, size), mine) for joints, mine in each)
         places.append(Place(at, each[0][0], size, second, parts))
     return tuple(places)
+
+
+def _check_tongues(connection: Connection, profiles: list[Profile]) -> None:
+    """Raise where beams that meet need tongues of several thicknesses."""
+    found = {p.name: t.thickness for p in profiles if (t := connection.tongue(p)) is not None}
+    if len(set(found.values())) > 1:
+        shown = ", ".join(f"{thick:g} mm for {name}" for name, thick in found.items())
+        raise DetailError(
+            f"the tongues of a node have one thickness; {shown}\ntake [beam] profiles of one "
+            'width, or [connection] ends = "slotted"'
+        )
 
 
 def _mixed(arms: Arms, profile_of: Ints) -> int:

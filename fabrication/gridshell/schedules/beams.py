@@ -101,6 +101,20 @@ LEGEND: Final = Legend(
                 "middle between the slots is half way",
             }
         ),
+        **_both(
+            {
+                "straps_{end}_mm": "thickness of two straps welded to the sides of the bar at the "
+                "{end}, about the middle of its depth (weld_mm); a tongue goes between them, and "
+                "the cut is where they end",
+                "straps_{end}_height_mm": "height of the straps",
+                "straps_{end}_length_mm": "their length, square to the cut",
+                "straps_{end}_lap_mm": "what of that length lies on the bar",
+                "straps_{end}_first_mm": "from the cut, square to it, to the first hole across "
+                "both, in the middle of their height",
+                "straps_{end}_second_mm": "from the cut, square to it, to the second hole",
+                "straps_{end}_hole_mm": "diameter of these holes",
+            }
+        ),
         "slot_width_mm": "width of the slots from both cuts, about the middle of the width, open "
         "at top and bottom",
         "slot_depth_mm": "depth of the slots, square to the cuts",
@@ -194,7 +208,7 @@ def _joined_by(ends: tuple[Joined, Joined]) -> str:
 
 def _slots(tongue: Tongue | None) -> Row:
     """Slots and their holes, alike at both ends of all beams."""
-    if tongue is None:
+    if tongue is None or tongue.straps is not None:
         return {}
     return {
         "slot_width_mm": tongue.slot,

@@ -13,6 +13,7 @@ from fabrication.parts.beam.shape import (
     SlotEnd,
     StudEnd,
 )
+from fabrication.parts.beam.straps import StrapEnd
 
 __all__ = [
     "BEAM",
@@ -22,6 +23,7 @@ __all__ = [
     "EndCut",
     "PlateEnd",
     "SlotEnd",
+    "StrapEnd",
     "StudEnd",
     "fibre_ends",
 ]

@@ -15,6 +15,7 @@ from fabrication.parts.beam.comb import combed_faces
 from fabrication.parts.beam.end_plate import check_plates, plate_faces
 from fabrication.parts.beam.end_plate import inner_end as bar_end
 from fabrication.parts.beam.slot import slotted_faces
+from fabrication.parts.beam.straps import strapped_faces
 from fabrication.parts.beam.stud import (
     HAND_HOLE_WELD,
     StudHole,
@@ -191,6 +192,9 @@ def beam_boundary(shape: BeamShape) -> Boundary:
     builder = BoundaryBuilder()
     if shape.start.comb is not None or shape.end.comb is not None:
         combed_faces(builder, shape)
+        return builder.build()
+    if shape.start.straps is not None or shape.end.straps is not None:
+        strapped_faces(builder, shape)
         return builder.build()
     if shape.start.slot is not None or shape.end.slot is not None:
         slotted_faces(builder, shape)

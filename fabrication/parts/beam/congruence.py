@@ -33,6 +33,8 @@ def _stud_key(cut: EndCut) -> Hashable:
     stud, slot = cut.stud, cut.slot
     if cut.comb is not None:
         return cut.comb.key()
+    if cut.straps is not None:
+        return cut.straps.key()
     if cut.plate is not None:
         return plate_key(cut.plate)
     if slot is not None:

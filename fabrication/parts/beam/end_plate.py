@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Vec
+from fabrication.parts.beam.straps import bar_end
 from fabrication.parts.beam.stud import along
 from fabrication.solids.builder import BoundaryBuilder, Coedges, add, scale
 from fabrication.solids.section import Segment, distance_to
@@ -30,9 +31,11 @@ def plate_key(plate: PlateEnd) -> Hashable:
 
 
 def bar_of(shape: BeamShape) -> BeamShape:
-    """The bar between the plates, without them."""
+    """The bar between plates or straps, without them."""
 
     def bare(cut: EndCut, outward: float) -> EndCut:
+        if cut.straps is not None:
+            return replace(cut, x=bar_end(cut, outward), straps=None)
         if cut.plate is None:
             return cut
         return replace(cut, x=inner_end(cut, outward).at, plate=None)

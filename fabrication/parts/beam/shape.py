@@ -14,6 +14,7 @@ from fabrication.parts.beam.boundary import beam_geometry
 from fabrication.parts.beam.comb import CombEnd
 from fabrication.parts.beam.congruence import beam_key, beam_variants, fibre_ends
 from fabrication.parts.beam.end_plate import bar_of, plate_details
+from fabrication.parts.beam.straps import StrapEnd, strap_holes
 from fabrication.parts.beam.stud import stud_details
 from fabrication.parts.beam.volume import beam_volume
 from fabrication.solids.plate import Blank
@@ -96,8 +97,8 @@ class EndCut:
         angle only where an axis leaves the plane y = 0 and is not perpendicular to the beam
     radius : None for a flat cut; else the radius [mm] of the coping cylinder, whose axis lies that
         far (perpendicularly) beyond x; its skew is 0
-    stud, slot, plate, comb : a hole for a stud or bolt through the cut, a slot, a plate across
-        it, or slots across it; it is flat, not skew then
+    stud, slot, plate, comb, straps : a hole for a stud or bolt through the cut, a slot, a plate
+        across it, slots across it, or straps that end in it; it is flat, not skew then
     """
 
     x: float
@@ -108,6 +109,7 @@ class EndCut:
     slot: SlotEnd | None = None
     plate: PlateEnd | None = None
     comb: CombEnd | None = None
+    straps: StrapEnd | None = None
 
 
 @dataclass(frozen=True)
@@ -183,12 +185,17 @@ class BeamShape:
                 found |= plate_details(cut.plate, low, name)
             if cut.comb is not None:
                 found |= cut.comb.details(cut.comb.z - low, name)
+            if cut.straps is not None:
+                found |= cut.straps.details(cut, strap_holes(self, cut, outward), name)
         return found
 
     def blanks(self) -> list[Blank]:
-        """Plates across its ends, and those inside hollow ends that studs go through."""
+        """Plates across its ends, those inside hollow ends that studs go through, and straps."""
         found = []
         for cut in (self.start, self.end):
+            if (straps := cut.straps) is not None:
+                small, large = sorted((straps.height, straps.reach + straps.lap))
+                found += [Blank("strap", straps.thickness, small, large)] * 2
             if cut.plate is not None:
                 small, large = sorted((cut.plate.width, cut.plate.height))
                 found.append(Blank("end plate", cut.plate.thickness, small, large))

@@ -13,6 +13,7 @@ from fabrication.parts.beam.boundary import ends_of, hole_walls, opening_sides
 from fabrication.parts.beam.comb import comb_volume
 from fabrication.parts.beam.end_plate import bar_of, plate_volume
 from fabrication.parts.beam.slot import slot_volume, strips
+from fabrication.parts.beam.straps import straps_volume
 from fabrication.parts.beam.stud import inner_end, lower_wall, opening_area
 from fabrication.solids.section import integrate, segments
 from fabrication.solids.sweep import End
@@ -69,6 +70,8 @@ def beam_volume(shape: BeamShape) -> float:
     )
     if len(loops) > 1:
         total += _between(shape.profile.loops[1:], start, end)
+    if shape.start.straps is not None or shape.end.straps is not None:
+        return total + straps_volume(shape)
     if shape.start.slot is not None or shape.end.slot is not None:
         for hole in shape.holes:
             through = sum(y1 - y0 for y0, y1 in strips(shape, hole))

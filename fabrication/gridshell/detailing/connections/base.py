@@ -5,10 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Final, Self
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from ddgfab.mesh import Floats
-from fabrication.parts.beam import CombEnd, PlateEnd, StudEnd
+from fabrication.parts.beam import CombEnd, PlateEnd, StrapEnd, StudEnd
 from fabrication.parts.fastener import FastenerShape
 from fabrication.specs import Profile
 from fabrication.standards import plates
@@ -65,13 +65,14 @@ class Drilling:
 
 @dataclass(frozen=True)
 class Tongue:
-    """Plates of nodes in slots of beams [mm]; distances along an arm begin at the beam's cut.
+    """Plates of nodes between cheeks of beams [mm]; distances along an arm begin at the cut.
 
-    thickness, slot : of the plate, and width of the slot
-    length, depth : where plate and slot end
+    thickness, slot : of the plate, and from cheek to cheek
+    length, depth : where the plate ends, and what the cheeks have between them
     steps : of the holes
     hole, edge : their diameter, and their least distance from the edge of the plate
     nut : how far nuts reach from their axis towards the node, and from the middle of the plate
+    straps : the cheeks, where they are not what a slot leaves of the bar
     """
 
     thickness: float
@@ -82,6 +83,7 @@ class Tongue:
     hole: float
     edge: float
     nut: tuple[float, float]
+    straps: StrapEnd | None = None
 
 
 @dataclass(frozen=True)
@@ -171,7 +173,7 @@ class Connection(ABC):
 
     @classmethod
     @abstractmethod
-    def of(cls, project: Project) -> Self:
+    def of(cls, project: Project) -> Connection:
         """The one of a project."""
 
     def drilling(self, profile: Profile) -> Drilling | None:

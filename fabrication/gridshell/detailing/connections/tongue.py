@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Final, Self
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from fabrication.gridshell.detailing.connections.base import (
     usual_plate,
 )
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
+from fabrication.parts.beam import StrapEnd
 from fabrication.parts.beam.slot import bar_sides
 from fabrication.parts.fastener import bolt, nut, washer
 from fabrication.specs import Profile
@@ -64,28 +65,47 @@ class BoltedTongue(Connection):
     plate: float
     clearance: float
 
-    keys: ClassVar[tuple[str, ...]] = BOLTED
+    keys: ClassVar[tuple[str, ...]] = (*BOLTED, "ends")
     summary: ClassVar[str] = (
         "the plates of the node in slots of the beams, bolts across both in double shear"
     )
 
     @classmethod
-    def of(cls, project: Project) -> Self:
+    def of(cls, project: Project) -> BoltedTongue:
         """The one of a project."""
-        size = fastener(project.connection.bolt)
-        plate = project.connection.plate_mm
-        if plate == "auto":
-            plate = usual_plate(size)
-        return cls(size, plate, project.beam.clearance_mm)
+        settings, clearance = project.connection, project.beam.clearance_mm
+        size = fastener(settings.bolt)
+        plate = None if settings.plate_mm == "auto" else settings.plate_mm
+        if settings.ends == "doubled":
+            from fabrication.gridshell.detailing.connections.doubled import DoubledTongue
+
+            return DoubledTongue.made(size, plate, clearance, settings.weld_mm)
+        return cls(size, usual_plate(size) if plate is None else plate, clearance)
+
+    def thickness(self, profile: Profile) -> float:
+        """Of the tongue [mm]."""
+        return self.plate
+
+    def half(self, profile: Profile) -> float:
+        """From the middle of the bar to the outer side of a cheek [mm]."""
+        return 0.5 * profile.width
+
+    def gap(self, profile: Profile) -> float:
+        """From cheek to cheek [mm]."""
+        return self.plate + 2.0 * self.clearance
+
+    def cheeks(self, profile: Profile, reach: float) -> StrapEnd | None:
+        """Straps that reach so far beyond the bar [mm]; None: a slot leaves the cheeks."""
+        return None
 
     def _least(self, profile: Profile) -> float:
-        """Length [mm] of a bolt through beam and washers that passes its nut by a pitch."""
+        """Length [mm] of a bolt through cheeks and washers that passes its nut by a pitch."""
         size = self.size
-        return profile.width + 2.0 * size.washer[2] + size.nut + size.pitch
+        return 2.0 * self.half(profile) + 2.0 * size.washer[2] + size.nut + size.pitch
 
     def tongue(self, profile: Profile) -> Tongue:
         """The plates that nodes must have."""
-        size, half = self.size, 0.5 * profile.width
+        size, half = self.size, self.half(profile)
         end = STEP * math.ceil(END_FACTOR * size.end / STEP)
         pitch = max(size.spacing, 0.5 * (size.wrench + size.corners))
         pitch = STEP * math.ceil(pitch / STEP)
@@ -94,15 +114,17 @@ class BoltedTongue(Connection):
         found = shortest_bolt(size, self._least(profile))
         length_of_bolt = self._least(profile) if found is None else found[0]
         sideways = length_of_bolt - half - size.washer[2]
+        depth = length + max(END_GAP, self.clearance)
         return Tongue(
-            self.plate,
-            self.plate + 2.0 * self.clearance,
+            self.thickness(profile),
+            self.gap(profile),
             length,
-            length + max(END_GAP, self.clearance),
+            depth,
             steps,
             size.hole,
             size.edge,
             (0.5 * max(size.corners, size.washer[1]), sideways),
+            self.cheeks(profile, depth),
         )
 
     def check(self, joints: Joints) -> None:
@@ -133,6 +155,10 @@ class BoltedTongue(Connection):
                 '"torsion-free")'
             )
         bar_sides(joints.profile)
+        self.check_profile(joints)
+
+    def check_profile(self, joints: Joints) -> None:
+        """Raise where the bar is too thin or too low for slot and holes."""
         found = _misfit(self.size, self.plate, self.clearance, joints.profile)
         if found:
             fits = [
@@ -158,7 +184,7 @@ class BoltedTongue(Connection):
         DetailError
             See `Connection.fit`.
         """
-        m, half = self.size, 0.5 * joints.profile.width
+        m, half = self.size, self.half(joints.profile)
         thick = m.washer[2]
         grip = 2.0 * (half + thick)
         least = self._least(joints.profile)
@@ -173,6 +199,7 @@ class BoltedTongue(Connection):
         length, shank = found
         tongue = self.tongue(joints.profile)
         stretch = float(np.hypot(1.0, joints.frames.slope[joints.own]).max())
+        lap = 0.0 if tongue.straps is None else tongue.straps.lap
         lean = (stretch**2 - 1.0) ** 0.5 * joints.profile.depth
         return Joined(
             "bolted_tongue",
@@ -184,8 +211,9 @@ class BoltedTongue(Connection):
             ),
             beam_hole=m.hole,
             grip=grip,
-            end_length=tongue.depth * stretch + lean,
+            end_length=(tongue.depth + lap) * stretch + lean,
             tongue=tongue,
+            weld=None if tongue.straps is None else joints.project.connection.weld_mm,
         )
 
 
