@@ -17,16 +17,18 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, csr_matrix, triu
+from scipy.sparse import csc_array, csr_array, csr_matrix
 from scipy.sparse.linalg import MatrixRankWarning, splu
 
 from ddgfab.errors import DegenerateError, InputError
 from ddgfab.mesh import Floats, Ints
 from ddgfab.optimize.multifrontal import Multifrontal
+from ddgfab.optimize.pattern import Pattern
 
 Solve = Callable[[Floats], Floats]
 
@@ -36,9 +38,9 @@ _SCIPY = "scipy"
 _LARGE = 20_000
 """Unknowns from which on another package than scipy pays."""
 
-_SYMMETRIC_INDEFINITE = -2
+_POSITIVE_DEFINITE, _SYMMETRIC_INDEFINITE = 2, -2
 _ANALYSE_AND_FACTOR, _FACTOR, _SOLVE = 12, 22, 33
-"""Matrix type and phases of PARDISO."""
+"""Matrix types and phases of PARDISO."""
 
 
 class SymmetricSolver:
@@ -64,9 +66,12 @@ class SymmetricSolver:
             raise InputError(f"solver {backend!r} is not here; available: {', '.join(offered)}")
         self._backend = backend
         self._fronts = None if nodes is None else Multifrontal(*nodes)
-        self._pattern: tuple[Any, Any] | None = None
+        self._kind = _SYMMETRIC_INDEFINITE if nodes is None else _POSITIVE_DEFINITE
+        self._pattern = Pattern()
         self._order: Ints | None = None
         self._pardiso: Any = None
+        self._upper: Any = None
+        self._above: Ints = np.zeros(0, dtype=np.int64)
 
     @staticmethod
     def available() -> tuple[str, ...]:
@@ -86,38 +91,28 @@ class SymmetricSolver:
         """
         large = self.available()[0] if matrix.shape[0] >= _LARGE else _SCIPY
         chosen = self._backend or large
+        system = csr_array(matrix)
         if chosen == _SCIPY and self._fronts is not None and matrix.shape[0]:
-            return self._fronts.factor(csr_array(matrix))
-        system = csc_array(matrix)
-        system.sort_indices()
-        known = self._same(system)
-        if not known:
-            self._pattern = (system.indptr.copy(), system.indices.copy())
-            self._order = None
-        factor = self._by_pardiso if chosen == _PARDISO else self._by_scipy
+            return self._fronts.factor(system)
+        values, grew = self._pattern.values(system)
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error", MatrixRankWarning)
-                return factor(system, known)
+                return (self._by_pardiso if chosen == _PARDISO else self._by_scipy)(values, grew)
         except (RuntimeError, MatrixRankWarning) as reason:
             raise DegenerateError(
                 f"a linear system of {system.shape[0]} unknowns is singular ({reason}): raise the "
                 "damping, or give every unknown a term"
             ) from reason
 
-    def _same(self, system: csc_array) -> bool:
-        if self._pattern is None:
-            return False
-        start, rows = self._pattern
-        return bool(
-            len(rows) == len(system.indices)
-            and np.array_equal(start, system.indptr)
-            and np.array_equal(rows, system.indices)
-        )
-
-    def _by_scipy(self, system: csc_array, known: bool) -> Solve:
+    def _by_scipy(self, values: Floats, grew: bool) -> Solve:
         options = {"SymmetricMode": True}
-        if not known or self._order is None:
+        # symmetric: rows are columns
+        size = len(self._pattern.starts) - 1
+        system = csc_array(
+            (values, self._pattern.columns, self._pattern.starts), shape=(size, size)
+        )
+        if grew or self._order is None:
             lu = splu(system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
             self._order = np.argsort(lu.perm_c)
             return lambda right: np.asarray(lu.solve(right))
@@ -136,17 +131,15 @@ class SymmetricSolver:
 
         return solve
 
-    def _by_pardiso(self, system: csc_array, known: bool) -> Solve:
-        if not known or self._pardiso is None:
-            if self._pardiso is not None:
-                self._pardiso.free_memory(everything=True)
-            self._pardiso = importlib.import_module(_PARDISO).PyPardisoSolver(_SYMMETRIC_INDEFINITE)
-        pardiso = self._pardiso
-        upper = csr_matrix(triu(system, format="csr"))
-        upper.sort_indices()
+    def _by_pardiso(self, values: Floats, grew: bool) -> Solve:
+        if grew or self._pardiso is None:
+            self._analyzed()
+        pardiso, upper = self._pardiso, self._upper
+        upper.data = values[self._above]
         # The public call analyses anew; the phase of an unchanged pattern has no public name.
-        pardiso.set_phase(_FACTOR if known else _ANALYSE_AND_FACTOR)
-        pardiso._call_pardiso(upper, np.zeros((system.shape[0], 1)))
+        with _errors_of_pardiso():
+            pardiso.set_phase(_ANALYSE_AND_FACTOR if grew else _FACTOR)
+            pardiso._call_pardiso(upper, np.zeros((upper.shape[0], 1)))
         pardiso.set_phase(_SOLVE)
 
         def solve(right: Floats) -> Floats:
@@ -154,3 +147,27 @@ class SymmetricSolver:
             return np.asarray(pardiso._call_pardiso(upper, columns)).reshape(right.shape)
 
         return solve
+
+    def _analyzed(self) -> None:
+        """A solver of its own for the pattern, whose upper triangle it takes."""
+        if self._pardiso is not None:
+            self._pardiso.free_memory(everything=True)
+        self._pardiso = importlib.import_module(_PARDISO).PyPardisoSolver(self._kind)
+        starts, columns = self._pattern.starts, self._pattern.columns
+        rows = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
+        self._above = np.flatnonzero(columns >= rows)
+        counts = np.bincount(rows[self._above], minlength=len(starts) - 1)
+        self._upper = csr_matrix(
+            (np.zeros(len(self._above)), columns[self._above], np.append(0, np.cumsum(counts))),
+            shape=(len(counts), len(counts)),
+        )
+
+
+@contextmanager
+def _errors_of_pardiso() -> Iterator[None]:
+    """Errors of the package become RuntimeError."""
+    error = importlib.import_module(f"{_PARDISO}.pardiso_wrapper").PyPardisoError
+    try:
+        yield
+    except error as reason:
+        raise RuntimeError(str(reason)) from reason

@@ -20,6 +20,7 @@ from scipy.sparse import coo_array, csr_array
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats, Ints
 from ddgfab.optimize.dissection import dissect
+from ddgfab.optimize.pattern import Pattern
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,15 +50,11 @@ class _Block:
 class _Analysis:
     """Fronts of a pattern, and where its entries go."""
 
-    def __init__(self, pattern: csr_array, node: Ints, places: Floats) -> None:
-        size, count = pattern.shape[0], int(node[-1]) + 1
-        rows = np.repeat(np.arange(size), np.diff(pattern.indptr))
-        # the numbers of the entries, from one on, as entries: exact up to 2^53
-        self.numbers = csr_array(
-            (np.arange(1.0, pattern.nnz + 1), pattern.indices, pattern.indptr), shape=pattern.shape
-        )
+    def __init__(self, pattern: Pattern, node: Ints, places: Floats) -> None:
+        size, count = len(node), int(node[-1]) + 1
+        rows, columns = np.repeat(np.arange(size), np.diff(pattern.starts)), pattern.columns
         coupled = coo_array(
-            (np.ones(len(rows), dtype=np.int8), (node[rows], node[pattern.indices])),
+            (np.ones(len(rows), dtype=np.int8), (node[rows], node[columns])),
             shape=(count, count),
         )
         graph = csr_array(coupled)
@@ -74,14 +71,14 @@ class _Analysis:
         sets = [(unknowns(f.pivots), unknowns(f.border)) for f in fronts]
         turn = np.empty(size, dtype=np.int64)
         turn[np.concatenate([p for p, _ in sets])] = np.arange(size)
-        lower = turn[rows] >= turn[pattern.indices]
+        lower = turn[rows] >= turn[columns]
         owner = np.empty(size, dtype=np.int64)
         for at, (pivots, _) in enumerate(sets):
             owner[pivots] = at
         kept = np.flatnonzero(lower)
-        kept = kept[np.argsort(owner[pattern.indices[kept]], kind="stable")]
+        kept = kept[np.argsort(owner[columns[kept]], kind="stable")]
         self.kept: Ints = kept
-        ends = np.searchsorted(owner[pattern.indices[kept]], np.arange(len(fronts) + 1))
+        ends = np.searchsorted(owner[columns[kept]], np.arange(len(fronts) + 1))
         local = np.empty(size, dtype=np.int64)
         self.blocks: list[_Block] = []
         for at, (pivots, border) in enumerate(sets):
@@ -89,7 +86,7 @@ class _Analysis:
             local[border] = len(pivots) + np.arange(len(border))
             entries = slice(int(ends[at]), int(ends[at + 1]))
             mine = kept[entries]
-            row, column = local[rows[mine]], local[pattern.indices[mine]]
+            row, column = local[rows[mine]], local[columns[mine]]
             inside = row < len(pivots)
             into = (row + len(pivots) * column)[inside]
             outside = (row - len(pivots) + len(border) * column)[~inside]
@@ -118,7 +115,7 @@ class Multifrontal:
         places : (n, 3) where unknowns are
         """
         self._node, self._places = node, places
-        self._pattern: csr_array | None = None
+        self._pattern = Pattern()
         self._analysis: _Analysis | None = None
 
     def factor(self, matrix: csr_array) -> Factor:
@@ -129,37 +126,10 @@ class Multifrontal:
         DegenerateError
             The matrix is not positive definite.
         """
-        matrix.sum_duplicates()  # sorts columns, too
-        at = self._where(matrix)
-        if at is None:
-            self._widen(matrix)
-            at = self._where(matrix)
-        assert self._analysis is not None
-        assert at is not None
-        values = np.zeros(self._analysis.numbers.nnz)
-        values[at] = matrix.data
+        values, grew = self._pattern.values(matrix)
+        if grew or self._analysis is None:
+            self._analysis = _Analysis(self._pattern, self._node, self._places)
         return Factor(self._analysis, values[self._analysis.kept])
-
-    def _where(self, matrix: csr_array) -> Ints | None:
-        """Where entries are in the pattern that was analyzed; None if it lacks some."""
-        if self._analysis is None:
-            return None
-        ones = np.ones(len(matrix.indices))
-        found = self._analysis.numbers.multiply(
-            csr_array((ones, matrix.indices, matrix.indptr), shape=matrix.shape)
-        )
-        return found.data.astype(np.int64) - 1 if found.nnz == matrix.nnz else None
-
-    def _widen(self, matrix: csr_array) -> None:
-        """Analyze a pattern that holds all seen so far; nodes are coupled as a whole."""
-        ones = csr_array(
-            (np.ones(len(matrix.indices)), matrix.indices, matrix.indptr), shape=matrix.shape
-        )
-        pattern = ones if self._pattern is None else csr_array(ones + self._pattern)
-        pattern.data[:] = 1.0
-        pattern.sort_indices()
-        self._pattern = pattern
-        self._analysis = _Analysis(pattern, self._node, self._places)
 
 
 class Factor:

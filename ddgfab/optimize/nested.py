@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from ddgfab.mesh import Floats, Ints, Mesh
-from ddgfab.optimize.coarse import coarsened
+from ddgfab.optimize.coarse import Coarse, coarsened
 from ddgfab.optimize.frame import Frame
 from ddgfab.optimize.goal import violation
 from ddgfab.optimize.merit import Merit
@@ -20,14 +20,33 @@ from ddgfab.optimize.result import Progress
 
 LEAST_FACES: Final = 4000
 """From this number of faces on a path begins at the end of that of a coarser mesh."""
-_COARSEST: Final = 1600
+_COARSEST: Final = 2000
 """Meshes of fewer faces are not made coarser."""
 _TOLERANCE: Final = 2e-3
 """Violation that is enough for coarse meshes, times their mean edge in those of the mesh: the faces
 of the same smooth surface are flatter by that factor on the mesh."""
-NESTED: Final = PathOptions(first_penalty=2.0**14, longest_step=2.0, on_the_way=True)
-"""How a path goes on from a coarser mesh: softer penalties would let go of what was reached, and
-what is left to do is smooth and long in the edges of a fine mesh."""
+_PENALTY, _PENALTY_FACES = 2.0**14, 10_000
+"""Penalty to go on with, up to this number of faces: softer ones would let go of what was reached.
+Beyond, it grows with the root of their number: movements get longer in edges, and cost more."""
+_STEPS: Final = 12
+"""Steps of a stage on coarse meshes, where they are cheap."""
+_PARTS: Final = (1.0, 0.9, 0.7, 0.4)
+"""Parts of a movement that are tried where it would fold the finer mesh."""
+
+
+def onward(mesh: Mesh) -> PathOptions:
+    """How a path goes on from a coarser mesh.
+
+    What is left to do is smooth, long in the edges of a fine mesh, and dear; so the last of it is
+    left to the polish.
+    """
+    more = max(1.0, mesh.n_faces / _PENALTY_FACES)
+    return PathOptions(
+        first_penalty=_PENALTY * float(np.sqrt(more)),
+        longest_step=2.0,
+        on_the_way=True,
+        finish=6e-3,
+    )
 
 
 def nested_start(
@@ -36,10 +55,10 @@ def nested_start(
     tolerance: float,
     progress: Progress,
 ) -> Floats | None:
-    """(V, 3) vertices to begin with, on the way from a coarser mesh; None where there is none.
+    """(V, 3) movement to begin with, on the way from a coarser mesh; None where there is none.
 
-    None too where the coarse mesh misses the goal. Which vertices a coarse mesh keeps depends on
-    their order where no corner and no irregular vertex decides.
+    A coarse mesh that misses the goal is left out: the path begins on the next one. Which vertices
+    a coarse mesh keeps depends on their order where no corner and no irregular vertex decides.
 
     Parameters
     ----------
@@ -49,50 +68,42 @@ def nested_start(
     tolerance : violation at which the goal is met
     progress : called with the number of each step and what it did
     """
-    coarse = coarsened(mesh)
-    if coarse is None:
-        return None
-    levels = [(mesh, coarse)]
-    while levels[-1][1].mesh.n_faces >= _COARSEST:
-        finer = levels[-1][1].mesh
-        further = coarsened(finer)
-        if further is None:
+    levels: list[tuple[Coarse, Ints]] = []
+    finer, numbers = mesh, np.arange(mesh.n_vertices)
+    while not levels or finer.n_faces >= _COARSEST:
+        coarse = coarsened(finer)
+        if coarse is None:
             break
-        levels.append((finer, further))
+        finer, numbers = coarse.mesh, numbers[coarse.kept]
+        levels.append((coarse, numbers))
     move: Floats | None = None
-    for level in range(len(levels) - 1, -1, -1):
-        fine, one = levels[level]
-        numbers = one.kept
-        for _, finer_one in levels[:level][::-1]:
-            numbers = finer_one.kept[numbers]
+    for one, numbers in reversed(levels):
         frame = Frame.of(one.mesh)
         small = frame.inside(one.mesh)
-        problem = pose(small, frame, numbers)
-        options = PathOptions()
-        if move is not None:
-            problem, options = begun(problem, move / frame.unit), NESTED
+        problem, options = pose(small, frame, numbers), PathOptions()
+        begins = None if move is None else begun(problem, move / frame.unit)
+        if begins is not None:
+            problem, options = begins, replace(onward(small), steps_per_stage=_STEPS)
         path = follow(
             problem,
             partial(violation, problem),
             replace(options, tolerance=max(tolerance, _TOLERANCE) * max(1.0, frame.unit)),
             progress,
         )
-        if path.status != "converged":
-            return None
         there = frame.unit * (problem.vertices(path.value) - small.vertices)
-        move = one.prolonged(there, fine.n_vertices)
-    assert move is not None
-    return mesh.vertices + move
+        move = one.prolonged(there) if path.status == "converged" else None
+    return move
 
 
-def begun(problem: Problem, move: Floats) -> Problem:
-    """A problem with its free vertices moved by (V, 3) at the start."""
-    free = problem.free[: move.size]
-    start = problem.start.copy()
-    start[: move.size] += np.where(free, move.ravel(), 0.0)
-    return problem.with_start(start)
+def begun(problem: Problem, move: Floats) -> Problem | None:
+    """A problem with its free vertices moved by (V, 3) at the start, or by a part of that.
 
-
-def usable(problem: Problem, before: float) -> bool:
-    """Whether a start is on the right side of all barriers, and nearer to the goal than before."""
-    return Merit(problem).possible(problem.start) and violation(problem, problem.start) < before
+    None where even a small part is on the wrong side of a barrier.
+    """
+    free, merit = problem.free[: move.size], Merit(problem)
+    for part in _PARTS:
+        start = problem.start.copy()
+        start[: move.size] += np.where(free, part * move.ravel(), 0.0)
+        if merit.possible(start):
+            return problem.with_start(start)
+    return None

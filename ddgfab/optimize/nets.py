@@ -24,7 +24,7 @@ from ddgfab.optimize.goal import (
     weights_of,
 )
 from ddgfab.optimize.limits import Limits, ids
-from ddgfab.optimize.nested import LEAST_FACES, NESTED, begun, nested_start, usable
+from ddgfab.optimize.nested import LEAST_FACES, begun, nested_start, onward
 from ddgfab.optimize.panes import pane_lengths
 from ddgfab.optimize.path import PathOptions, Waypoint, follow
 from ddgfab.optimize.problem import VERTICES, Problem, Term
@@ -138,11 +138,10 @@ def reach(
 
     way = options or PathOptions(even_if_met=bool(task.wishes))
     if options is None and task.nests(problem):
-        begin = nested_start(small, task.coarse_problem, task.tolerance, record)
-        if begin is not None:
-            begins = begun(problem, begin - small.vertices)
-            if usable(begins, before):
-                problem, way = begins, NESTED
+        move = nested_start(small, task.coarse_problem, task.tolerance, record)
+        begins = None if move is None else begun(problem, move)
+        if begins is not None:
+            problem, way = begins, onward(small)
     chosen = replace(way, tolerance=max(_AIM * task.tolerance, EXACT))
     path = follow(problem, partial(violation, problem), chosen, record)
     found = frame.outside(small.vertices, problem.vertices(path.value))

@@ -40,6 +40,9 @@ class PathOptions:
     on_the_way: bool = False
     """The start comes from elsewhere: it is walked from even where it meets the goal already, and
     stages end when the merit falls little."""
+    finish: float = 1e-3
+    """Violation from which on the rest is left to the polish. A greater one saves stages, and costs
+    a little distance."""
     even_if_met: bool = False
     """Soft terms ask for more than the start has, so the path is walked even where the start meets
     the goal already."""
@@ -80,7 +83,7 @@ _FALL, _LONG, _SHORT = 0.05, 0.05, 1e-3
 short. Long steps that hardly pay are the way round a bend of the equations, a heavier penalty would
 end there; a start on the way has the bend behind it."""
 _COARSE = 1e-3
-"""Violation from which on the last digits are left to the polish."""
+"""Tolerances from this on are not undercut: the path goes back to where they are met."""
 _STIFF = 1e9
 """Penalty of the polish."""
 _POLISH, _HALVINGS = 8, 12
@@ -235,19 +238,18 @@ def follow(
     walks = chosen.on_the_way or chosen.even_if_met
     if ends[0].violation <= chosen.tolerance and not walks:
         return Path(walker.x, "converged", (), tuple(ends))
-    coarse = max(chosen.tolerance, _COARSE)
+    near = max(chosen.tolerance, chosen.finish)
     while rho <= chosen.max_penalty and len(walker.history) < chosen.max_steps:
         taken = walker.stage(rho)
         ends.append(Waypoint(rho, violation(walker.x), walker.x))
-        if ends[-1].violation <= coarse:
+        polished = ends[-1].violation <= near and walker.polish()
+        if polished and walker.x is not ends[-1].x:
+            ends.append(Waypoint(np.inf, violation(walker.x), walker.x))
+        if polished:
             if chosen.tolerance >= _COARSE:
                 walker.x = _back_off(walker.merit, violation, chosen.tolerance, ends)
-                status = "converged"
-                break
-            if walker.polish():
-                status = "converged"
-                ends.append(Waypoint(np.inf, violation(walker.x), walker.x))
-                break
+            status = "converged"
+            break
         if taken == 0 and walker.damping > _GIVE_UP:
             break
         rho *= chosen.growth if taken > 2 else 2 * chosen.growth

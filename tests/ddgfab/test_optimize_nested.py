@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from optimize_meshes import dome, hexagons, torus, wavy
 
+from ddgfab.grid import grid_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.optimize import PathOptions, optimize
@@ -44,14 +45,71 @@ def test_linear_values_are_prolonged_exactly_on_a_regular_grid() -> None:
     coarse = coarsened(flat)
     assert coarse is not None
     turn = np.array([[1.0, 2, 3], [0, -1, 4], [2, 0, 1]])
-    found = coarse.prolonged(flat.vertices[coarse.kept] @ turn, flat.n_vertices)
+    found = coarse.prolonged(flat.vertices[coarse.kept] @ turn)
     np.testing.assert_allclose(found, flat.vertices @ turn, atol=1e-12)
 
 
-def test_meshes_that_do_not_fit_have_no_coarser_one() -> None:
-    assert coarsened(dome(7)) is None  # corners an odd number of edges apart
+@pytest.mark.parametrize(("rows", "columns"), [(7, 8), (9, 13), (2, 25)])
+def test_odd_numbers_of_strips_keep_one_as_it_is(rows: int, columns: int) -> None:
+    u, v = np.meshgrid(np.arange(rows + 1.0), np.arange(columns + 1.0), indexing="ij")
+    mesh = grid_mesh(np.stack([u, v, 0.1 * u * v], axis=-1), (False, False))
+    coarse = coarsened(mesh)
+    assert coarse is not None
+    coarse.mesh.validate()
+    assert coarse.mesh.n_faces == -(-rows // 2) * -(-columns // 2)
+    areas = coarse.mesh.with_vertices(coarse.mesh.vertices * [1, 1, 0]).face_areas
+    assert areas.sum() == pytest.approx(rows * columns)
+    np.testing.assert_allclose(  # bilinear: exact
+        coarse.prolonged(mesh.vertices[coarse.kept]), mesh.vertices, atol=1e-12
+    )
+
+
+def test_strips_that_were_left_are_merged_next() -> None:
+    """So no coarse face is much narrower than others."""
+    mesh: Mesh | None = dome(47)
+    for count in (24, 12, 6):
+        coarse = coarsened(mesh)
+        assert coarse is not None
+        mesh = coarse.mesh
+        assert mesh.n_faces == count**2
+        assert mesh.edge_lengths.min() > 0.3 * mesh.edge_lengths.max()
+
+
+def test_polylines_of_irregular_vertices_stay() -> None:
+    """Three grids round a vertex of valence three, an odd number of edges wide."""
+    mesh = triple(5)
+    coarse = coarsened(mesh)
+    assert coarse is not None
+    coarse.mesh.validate()
+    assert coarse.mesh.n_faces == 27
+    center = np.flatnonzero((mesh.valences == 3) & ~mesh.boundary_vertex)
+    assert set(center) <= set(coarse.kept.tolist())
+    np.testing.assert_allclose(
+        coarse.prolonged(mesh.vertices[coarse.kept]), mesh.vertices, atol=1e-12
+    )
+
+
+def triple(n: int) -> Mesh:
+    """Three rhombi of n x n quads in the plane, round one vertex."""
+    turns = 2 * np.pi / 3 * np.arange(3)
+    ways = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    points, faces = [], []
+    u, v = (a.ravel()[:, None] for a in np.meshgrid(*2 * [np.arange(n + 1)], indexing="ij"))
+    one = grid_mesh(np.zeros((n + 1, n + 1, 3)), (False, False)).faces
+    for k in range(3):
+        points.append(u * ways[k] + v * ways[(k + 1) % 3])
+        faces += [face + k * (n + 1) ** 2 for face in one]
+    everywhere = np.concatenate(points)
+    _, first, number = np.unique(
+        np.round(everywhere, 6), axis=0, return_index=True, return_inverse=True
+    )
+    return Mesh.build(everywhere[first], [number.ravel()[face] for face in faces])
+
+
+def test_meshes_that_cannot_be_coarser() -> None:
     assert coarsened(hexagons(4)) is None
-    assert coarsened(torus(9, 0.1)) is None
+    assert coarsened(torus(5, 0.1)) is None  # too few strips would be left round the tube
+    assert coarsened(dome(1)) is None
     one = dome(4)
     pieces = Mesh.build(
         np.concatenate([one.vertices, one.vertices + np.array([20.0, 0, 0])]),
