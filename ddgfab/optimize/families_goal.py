@@ -111,9 +111,7 @@ def families(
         An unknown kind of pieces, a limit that is not positive, an id out of range.
     """
     edge = mean_edge(mesh)
-    tolerance = edge * _TOLERANCE if fit_tolerance is None else fit_tolerance
-    limit = edge * _MOVEMENT if max_movement is None else max_movement
-    _refuse(of, tolerance, limit)
+    tolerance, limit = _limits(of, edge, fit_tolerance, max_movement)
     frame = Frame.of(mesh)
     small = frame.inside(mesh)
     task = _Task(
@@ -144,22 +142,31 @@ def families(
         labels=labels,
     )
     if missed and throw:
-        raise OptimizeError(
-            f"families: the {len(before)} {of}s have {result.families_before} families within "
-            f"{tolerance:.3g}, and no mesh with fewer was found that moves vertices by {limit:.3g} "
-            "at most\nallow more movement or a greater fit tolerance",
-            result=result,
-        )
+        raise OptimizeError(_none_found(result, limit), result=result)
     return result
 
 
-def _refuse(of: str, tolerance: float, limit: float) -> None:
-    """Raise for what cannot be asked."""
+def _none_found(result: FamiliesResult, limit: float) -> str:
+    """What is missed, and what to do about it."""
+    return (
+        f"families: the {len(result.labels_before)} {result.of}s have {result.families_before} "
+        f"families within {result.tolerance:.3g}, and no mesh with fewer was found that moves "
+        f"vertices by {limit:.3g} at most\nallow more movement or a greater fit tolerance"
+    )
+
+
+def _limits(
+    of: str, edge: float, fit_tolerance: float | None, max_movement: float | None
+) -> tuple[float, float]:
+    """Fit tolerance and greatest movement; raises for what cannot be asked."""
+    tolerance = edge * _TOLERANCE if fit_tolerance is None else fit_tolerance
+    limit = edge * _MOVEMENT if max_movement is None else max_movement
     if of not in get_args(Piece):
         raise InputError(f'families of "{of}"; one of {", ".join(get_args(Piece))}')
     for name, value in (("fit_tolerance", tolerance), ("max_movement", limit)):
         if not value > 0:
             raise InputError(f"{name} = {value:g}: more than zero is needed")
+    return tolerance, limit
 
 
 def _fewest(

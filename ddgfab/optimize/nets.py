@@ -26,9 +26,9 @@ from ddgfab.optimize.goal import (
 from ddgfab.optimize.limits import Limits, ids
 from ddgfab.optimize.nested import LEAST_FACES, begun, nested_start, onward
 from ddgfab.optimize.panes import pane_lengths
-from ddgfab.optimize.path import PathOptions, Waypoint, follow
+from ddgfab.optimize.path import Path, PathOptions, Waypoint, follow
 from ddgfab.optimize.problem import VERTICES, Problem, Term
-from ddgfab.optimize.result import Forecast, OptimizeResult, Price, Step
+from ddgfab.optimize.result import Forecast, OptimizeResult, Price, Progress, Step
 from ddgfab.optimize.rim import Boundary, Constraints, impossible_faces
 from ddgfab.optimize.terms.nearness import NearSurface
 from ddgfab.optimize.wishes import Wishes
@@ -122,9 +122,8 @@ def reach(
         _tolerance(goal, flat_percent),
     )
     problem = task.problem()
-    before = violation(problem, problem.start)
-    there = before <= task.tolerance and not _crooked(goal, small)
-    if there and not task.wishes:
+    met = violation(problem, problem.start) <= task.tolerance and not _crooked(goal, small)
+    if met and not task.wishes:
         return Outcome(task.result(problem, problem.start, mesh, surface))
     _refuse_impossible(goal.name, problem, task.constraints, boundary, 100 * task.tolerance)
     expected = _expected(problem, frame)
@@ -136,14 +135,7 @@ def reach(
         if progress is not None:
             progress(stage, number, step)
 
-    way = options or PathOptions(even_if_met=bool(task.wishes))
-    if options is None and task.nests(problem):
-        move = nested_start(small, task.coarse_problem, task.tolerance, record)
-        begins = None if move is None else begun(problem, move)
-        if begins is not None:
-            problem, way = begins, onward(small)
-    chosen = replace(way, tolerance=max(_AIM * task.tolerance, EXACT))
-    path = follow(problem, partial(violation, problem), chosen, record)
+    path = task.path(problem, options, record)
     found = frame.outside(small.vertices, problem.vertices(path.value))
     result = replace(
         task.result(problem, path.value, found, surface),
@@ -151,17 +143,7 @@ def reach(
         prices=_prices(problem, frame, path.waypoints),
         forecast=expected,
     )
-    met = path.status == "converged"
-    missed = list(task.limits.exceeded(result.change))
-    if not met:
-        missed.insert(0, missed_text(goal.name, problem, path.value, task.tolerance))
-    if crooked := _crooked(goal, found):
-        missed.append(crooked)
-    result = replace(result, remarks=remarks_of(result))
-    if not missed:
-        return Outcome(result)
-    advice = advice_of(result, met, keep, boundary, task.limits, goal.easier)
-    return Outcome(replace(result, status="missed", advice=advice), tuple(missed))
+    return task.judged(problem, path, result, boundary)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,6 +201,33 @@ class _Task:
                 max(1.0, inner.unit)
             ),
         )
+
+    def path(self, problem: Problem, options: PathOptions | None, progress: Progress) -> Path:
+        """The path to the goal; that of a large mesh begins on coarser ones, but with options."""
+        way = options or PathOptions(even_if_met=bool(self.wishes))
+        if options is None and self.nests(problem):
+            move = nested_start(self.mesh, self.coarse_problem, self.tolerance, progress)
+            begins = None if move is None else begun(problem, move)
+            if begins is not None:
+                problem, way = begins, onward(self.mesh)
+        chosen = replace(way, tolerance=max(_AIM * self.tolerance, EXACT))
+        return follow(problem, partial(violation, problem), chosen, progress)
+
+    def judged(
+        self, problem: Problem, path: Path, result: OptimizeResult, boundary: Boundary
+    ) -> Outcome:
+        """What a result misses, and what to do about it."""
+        met = path.status == "converged"
+        missed = list(self.limits.exceeded(result.change))
+        if not met:
+            missed.insert(0, missed_text(self.goal.name, problem, path.value, self.tolerance))
+        if crooked := _crooked(self.goal, result.mesh):
+            missed.append(crooked)
+        result = replace(result, remarks=remarks_of(result))
+        if not missed:
+            return Outcome(result)
+        advice = advice_of(result, met, self.keep, boundary, self.limits, self.goal.easier)
+        return Outcome(replace(result, status="missed", advice=advice), tuple(missed))
 
     def result(
         self, problem: Problem, x: Floats, found: Mesh, surface: Mesh | None
