@@ -52,6 +52,9 @@ LINE: Final = 12.0
 LONGEST: Final = 32_000
 """Characters that a cell holds; Excel refuses 32,768."""
 
+NUMBERED: Final = re.compile(r"_(\d+)(?=_|$)")
+"""The number in names of columns such as edge_1_mm."""
+
 NAME: Final = 31
 """Characters of a sheet's name."""
 
@@ -115,16 +118,19 @@ def sheets_of(
     """The sheets of a schedule: name, rows and columns of each.
 
     One, where its columns fit the paper with texts of `LEAST_MM` or more; else so many that they
-    do. Each begins with the columns that name the piece; columns of one number stay together.
+    do. Each begins with the columns that name the piece; columns of one number stay together, and
+    those that say the same in all rows come last.
     """
     room = PAPER_PT[paper] * FONT_MM / LEAST_MM
     taken = {column: 0.0 if legend.hides(column) else _points(column, rows) for column in names}
-    if sum(taken.values()) <= room or not names:
+    if sum(taken.values()) <= room or not names or not rows:
         return [(name, list(rows), list(names))]
     keys = [names[0], *(column for column in names[1:] if column == "number")]
     first = sum(taken[column] for column in keys)
     parts, used = [list(keys)], first
-    for block in _blocks([column for column in names if column not in keys]):
+    others = [column for column in names if column not in keys]
+    others.sort(key=lambda column: _is_constant(column, rows) and column not in legend.totals)
+    for block in _blocks(others):
         wide = sum(taken[column] for column in block)
         if used + wide > room and len(parts[-1]) > len(keys):
             parts.append(list(keys))
@@ -141,12 +147,18 @@ def sheets_of(
     ]
 
 
+def _is_constant(column: str, rows: Sequence[Row]) -> bool:
+    """Whether a column without a number says the same in all rows."""
+    first = rows[0].get(column)
+    return NUMBERED.search(column) is None and all(row.get(column) == first for row in rows)
+
+
 def _blocks(names: Sequence[str]) -> list[list[str]]:
     """Columns in a row that have the same number in their names, as those of one arm; or one."""
     found: list[list[str]] = []
     last = ""
     for column in names:
-        number = re.search(r"_(\d+)(?=_|$)", column)
+        number = NUMBERED.search(column)
         own = number[1] if number else ""
         if own and own == last:
             found[-1].append(column)
@@ -169,7 +181,17 @@ def add_table(
     """A schedule: filters, header on every page, numbers by unit, totals below the rows."""
     sheet = book.add(name, legend.title or name)
     left, right = (
-        book.format(bold=True, text_wrap=True, bg_color="#E7E6E6", bottom=1, **way)
+        book.format(
+            bold=True,
+            text_wrap=True,
+            bg_color="#E7E6E6",
+            bottom=1,
+            left=4,
+            right=4,
+            left_color="#7F7F7F",
+            right_color="#7F7F7F",
+            **way,
+        )
         for way in ({"align": "left", "indent": 1}, {"align": "right"})
     )
     bold = book.format(bold=True, top=1)

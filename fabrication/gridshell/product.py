@@ -18,7 +18,7 @@ from fabrication.gridshell.design import Design
 from fabrication.gridshell.remedies import remedies
 from fabrication.gridshell.room import CHORD_MM, gaps_kept
 from fabrication.gridshell.schedules import CONVENTIONS, schedules
-from fabrication.gridshell.schedules.order import tolerances
+from fabrication.gridshell.schedules.order import not_stated, order_rows, tolerances
 from fabrication.job.problems import FailedCheck
 from fabrication.job.product import Product
 from fabrication.job.whole import PREVIEW
@@ -40,7 +40,6 @@ class GridshellProduct(Product):
     """A design of a gridshell, to be made."""
 
     chord = CHORD_MM
-    conventions = CONVENTIONS
     shown_first = (
         ASSEMBLY,
         PREVIEW,
@@ -61,6 +60,10 @@ class GridshellProduct(Product):
         self.output, self.verify = design.project.output, design.project.checks.verify
         self.seconds, self.sources = design.seconds, design.project.sources
         self.title = design.project.project.block(self.name, self.output.author)
+        open_points = not_stated(order_rows(design.gridshell))
+        agree = "Not stated in the project file, to be agreed before parts are ordered: "
+        said = [f"{agree}{', '.join(open_points)}."] if open_points else []
+        self.conventions = (*said, *CONVENTIONS)
 
     def material(self, role: Role) -> Material:
         """Steel and glass, of densities and tolerances in the project."""
