@@ -18,7 +18,7 @@ from fabrication.gridshell.design import Design
 from fabrication.gridshell.remedies import remedies
 from fabrication.gridshell.room import CHORD_MM, gaps_kept
 from fabrication.gridshell.schedules import CONVENTIONS, schedules
-from fabrication.gridshell.schedules.order import not_stated, order_rows, tolerances
+from fabrication.gridshell.schedules.order import order_rows, tolerances
 from fabrication.job.problems import FailedCheck
 from fabrication.job.product import Product
 from fabrication.job.whole import PREVIEW
@@ -28,6 +28,7 @@ from fabrication.parts.fastener import FASTENER
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
 from fabrication.pictures.change import write_change
+from fabrication.project.statements import not_stated
 from fabrication.specs import Check, Family, Mate, Role, TriangleMesh
 from fabrication.standards.fasteners import steel_density
 from fabrication.table import Table

@@ -11,6 +11,7 @@ from fabrication.linkage.legends import RODS
 from fabrication.linkage.links import Linkage
 from fabrication.linkage.schedules import is_printed
 from fabrication.parts.pin import PIN
+from fabrication.project.statements import LEGEND, Statements
 from fabrication.table import Table
 
 if TYPE_CHECKING:
@@ -19,14 +20,49 @@ if TYPE_CHECKING:
 ROD_MM: Final = (1000.0,)
 """Usual length of rods of silver steel and stainless steel [mm] (DIN 175: 1 and 2 m)."""
 
+ROD_TOLERANCE: Final = "ISO 286 h9"
+"""Tolerance of drawn and ground rods."""
+
 
 def kit_lists(
     linkage: Linkage, masses: Mapping[str, float], project: KitProject
 ) -> dict[str, Table]:
-    """Tables "rods" and "costs", where there are metal pins and rates."""
+    """Tables "order", and "rods" and "costs" where there are metal pins and rates."""
     rods = rod_rows(linkage, project.stock.stock(ROD_MM))
-    found = {"rods": Table(rods, "rods", RODS)} if rods else {}
+    found = {"order": Table(order_rows(linkage, project), "order", LEGEND)}
+    if rods:
+        found["rods"] = Table(rods, "rods", RODS)
     return {**found, **project.rates.table(_quantities(linkage, masses))}
+
+
+def order_rows(linkage: Linkage, project: KitProject) -> list[dict[str, Any]]:
+    """What holds for all printed parts, and for all pins."""
+    settings = linkage.settings
+    printer, own = settings.printer, Statements("printed parts", "printer", project.printer)
+    parts = Statements("printed parts", "parts", project.parts)
+    pins = Statements("pins", "parts", project.parts)
+    cut = Statements("pins", "stock", project.stock)
+    rows = [
+        own.row("printer", f"{printer.key}: {printer.name}", "preset"),
+        own.row("layers", f"{printer.layer:g} mm", "preset"),
+        own.row("material", f"{printer.material}; listed masses are of solid parts", "preset"),
+        parts.row(
+            "bores that turn",
+            f"diameter {settings.bore:g} mm, {settings.clearance:g} mm a side round the pin; try "
+            "the coupon first",
+            "clearance_mm",
+        ),
+        parts.row("bores of caps", f"{settings.press:g} mm a side round the pin", "press_mm"),
+    ]
+    if is_printed(PIN, settings):
+        return [*rows, pins.row("made of", f"printed, {printer.material}", "pin")]
+    rod = f"round steel rod, diameter {settings.pin_diameter:g} mm, {ROD_TOLERANCE}"
+    return [
+        *rows,
+        pins.row("made of", rod, "pin"),
+        pins.row("ends", "cut square, deburred", "pin"),
+        cut.row("cut list: width of a cut", f"{project.stock.kerf_mm:g} mm", "kerf_mm"),
+    ]
 
 
 def rod_rows(linkage: Linkage, stock: Stock) -> list[dict[str, Any]]:

@@ -244,3 +244,15 @@ def test_rods_hold_every_metal_pin_and_costs_are_rates_times_quantities() -> Non
     assert plastic["cost"] == pytest.approx(30.0 * grams / 1000.0)
     assert {row["currency"] for row in costs.values()} == {"CHF"}
     assert "estimate" in made.schedules["costs"].legend.title
+
+
+def test_order_data_say_how_parts_are_printed_and_pins_are_made(bennett: Kit) -> None:
+    found = {row["setting"]: row for row in bennett.schedules["order"]}
+    assert found["printer.preset"]["basis"] == "default"
+    bore = next(row["bore_mm"] for row in bennett.schedules["bom"] if row["role"] == "link")
+    assert found["parts.clearance_mm"]["value"].startswith(f"diameter {bore:g} mm")
+    printed = kit("bennett", parts={"pin": "printed", "clearance_mm": 0.25}).schedules
+    found = {row["setting"]: row for row in printed["order"]}
+    assert found["parts.pin"]["value"] == "printed, PLA"
+    assert found["parts.clearance_mm"]["basis"] == "project"
+    assert "rods" not in printed

@@ -27,7 +27,6 @@ from fabrication.gridshell.schedules import (
     cutting,
     joints,
     nodes,
-    order,
     panels,
     plates,
 )
@@ -47,6 +46,7 @@ from fabrication.parts.fastener import FastenerShape
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
 from fabrication.project.sections import one_line
+from fabrication.project.statements import LEGEND as ORDER_LEGEND
 from fabrication.specs import Family, Role
 from fabrication.standards.fasteners import property_class
 from fabrication.table import Table
@@ -108,7 +108,7 @@ def schedules(
     made_of = materials(project)
     bars, stock = cut_rows(families, _stock_of(project), made_of)
     found = {
-        "order": (order_rows(gridshell), order.LEGEND),
+        "order": (order_rows(gridshell), ORDER_LEGEND),
         "bom": (bom_rows(families, masses, made_of), bom.BOM),
         "panels": (panel_rows(gridshell, families, masses), panels.LEGEND),
         "sizes": (size_rows(families, masses), bom.SIZES),

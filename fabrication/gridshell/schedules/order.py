@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Final
 
-from fabrication.formats.tables import Legend
 from fabrication.gridshell.bolt_lists import class_of
 from fabrication.gridshell.detailing.connections import registry as connections
 from fabrication.gridshell.detailing.gridshell import Gridshell
@@ -20,7 +17,8 @@ from fabrication.gridshell.where import shown
 from fabrication.parts.beam import BEAM
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
-from fabrication.project.sections import Section, one_line
+from fabrication.project.sections import one_line
+from fabrication.project.statements import Statements
 from fabrication.specs import Role
 from fabrication.standards.fasteners import property_class
 from fabrication.standards.ordering import (
@@ -29,44 +27,6 @@ from fabrication.standards.ordering import (
     pane_tolerances,
     profile_standard,
 )
-
-LEGEND: Final = Legend(
-    title="Order data",
-    about="what holds for all parts of a kind, and what the project does not state",
-    meanings={
-        "parts": "what it is about",
-        "subject": "what is stated",
-        "value": "the statement; empty: to be agreed before parts are ordered",
-        "basis": "project: a setting of the project file; default: the program's, where the "
-        "project has no other; not stated: the project leaves it open",
-        "setting": "section and key of the project file that state it",
-    },
-)
-
-PROJECT: Final = "project"
-DEFAULT: Final = "default"
-OPEN: Final = "not stated"
-"""Where a statement comes from."""
-
-
-@dataclass(frozen=True)
-class _About:
-    """Rows about parts that a section of the project describes."""
-
-    parts: str
-    name: str
-    section: Section
-
-    def row(self, subject: str, value: str, key: str) -> Row:
-        """A statement, of the project where it sets the key."""
-        basis = OPEN if not value else PROJECT if key in self.section.changed() else DEFAULT
-        return {
-            "parts": self.parts,
-            "subject": subject,
-            "value": one_line(value),
-            "basis": basis,
-            "setting": f"{self.name}.{key}",
-        }
 
 
 def order_rows(gridshell: Gridshell) -> list[Row]:
@@ -86,14 +46,9 @@ def tolerances(project: Project) -> dict[Role, str]:
     }
 
 
-def not_stated(rows: Sequence[Row]) -> list[str]:
-    """Settings that the project leaves open."""
-    return [str(row["setting"]) for row in rows if row["basis"] == OPEN]
-
-
 def _panes(gridshell: Gridshell) -> Iterator[Row]:
     project = gridshell.project
-    panel, of = project.panel, _About("panes", "panel", project.panel)
+    panel, of = project.panel, Statements("panes", "panel", project.panel)
     if panel.build_up:
         yield of.row("build-up from the outside inwards", panel.build_up, "build_up")
     else:
@@ -112,11 +67,11 @@ def _panes(gridshell: Gridshell) -> Iterator[Row]:
         yield of.row("inner panes at the boundary", stand, "step_mm")
     yield of.row("holes and notches", "none", "kind")
     yield of.row("tolerances", tolerances(project)[PANEL.role], "tolerances")
-    gap, between = f"{panel.gap_mm:g} mm ({panel.gap_at})", _About("joints", "panel", panel)
+    gap, between = f"{panel.gap_mm:g} mm ({panel.gap_at})", Statements("joints", "panel", panel)
     yield between.row("gap between panes", gap, "gap_mm")
     above = f"{gridshell.offset:g} mm above the faces of the mesh"
     yield between.row("inner surface of the panes", above, "offset_mm")
-    joint, at = project.joint, _About("joints", "joint", project.joint)
+    joint, at = project.joint, Statements("joints", "joint", project.joint)
     yield at.row("gasket inside", joint.gasket, "gasket")
     yield at.row("clamp", joint.clamp, "clamp")
     yield at.row("cap outside", joint.cap, "cap")
@@ -129,7 +84,7 @@ def _corners(panel: PanelSettings) -> str:
 
 def _beams(gridshell: Gridshell) -> Iterator[Row]:
     project = gridshell.project
-    beam, of = project.beam, _About("beams", "beam", project.beam)
+    beam, of = project.beam, Statements("beams", "beam", project.beam)
     found = {joints.profile.name: joints.profile for joints in _joints(gridshell)}
     for section in found.values():
         standard = profile_standard(section, beam.material)
@@ -142,7 +97,7 @@ def _beams(gridshell: Gridshell) -> Iterator[Row]:
     clearance = f"{beam.clearance_mm:g} mm at each end"
     yield of.row("clearance to the nodes", clearance, "clearance_mm")
     yield of.row("tolerances", tolerances(project)[BEAM.role], "tolerances")
-    stock, cut = project.stock, _About("beams", "stock", project.stock)
+    stock, cut = project.stock, Statements("beams", "stock", project.stock)
     yield cut.row("cut list: width of a cut", f"{stock.kerf_mm:g} mm", "kerf_mm")
     yield cut.row("cut list: off each end of a bar", f"{stock.trim_mm:g} mm", "trim_mm")
 
@@ -155,7 +110,7 @@ def _joints(gridshell: Gridshell) -> Iterator[Joints]:
 
 def _nodes(gridshell: Gridshell) -> Iterator[Row]:
     node = gridshell.project.node
-    of = _About("nodes", "node", node)
+    of = Statements("nodes", "node", node)
     for kind, text in {
         place.joints.project.node.kind: place.size.summary for place in gridshell.places
     }.items():
@@ -179,7 +134,7 @@ def _connection(gridshell: Gridshell) -> Iterator[Row]:
         yield from _connection_of(whole.of_rule(number), places, where)
     if not gridshell.bolts:
         return
-    of, made = _About("connections", "connection", whole), property_class(whole.bolt_class)
+    of, made = Statements("connections", "connection", whole), property_class(whole.bolt_class)
     shapes = (mounted.shape for bolt in gridshell.bolts for mounted in bolt.mounted)
     classes = dict.fromkeys(f"{shape.kind}s {class_of(shape, made)}" for shape in shapes)
     yield of.row("property classes and hardness", ", ".join(classes), "bolt_class")
@@ -190,7 +145,7 @@ def _connection_of(
     connection: ConnectionSettings, places: Sequence[Place], where: str
 ) -> Iterator[Row]:
     """Statements about the connections of one rule."""
-    of = _About(f"connections{where}", "connection", connection)
+    of = Statements(f"connections{where}", "connection", connection)
     kind = connections.find(connection.kind)
     yield of.row("kind", f"{connection.kind}: {kind.summary}", "kind")
     throats = {how.weld for place in places for _, how, _ in place.each}
