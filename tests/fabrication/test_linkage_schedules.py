@@ -12,7 +12,7 @@ import pytest
 
 from ddgfab.linkages import Mechanism
 from fabrication.linkage.detail import detail_linkage
-from fabrication.linkage.kit import detail_kit
+from fabrication.linkage.kit import Kit, detail_kit, kit
 from fabrication.linkage.links import Linkage
 from fabrication.linkage.project import make_kit_project
 from fabrication.linkage.schedules import bar_azimuths, hinge_order, kit_schedules
@@ -210,7 +210,7 @@ def test_every_column_of_a_kit_has_a_meaning_and_every_meaning_a_column() -> Non
         made = detail_kit(make_kit_project({"linkage": CASES[name], **extra, **rates}))
         for title, table in made.schedules.items():
             found.setdefault(title, []).append(table)
-    assert set(found) == {"bom", "links", "hinges", "assembly", "rods", "costs"}
+    assert set(found) == {"order", "bom", "links", "hinges", "assembly", "rods", "costs"}
     for title, tables in found.items():
         legend = tables[0].legend
         columns = {column for table in tables for column in table.columns}
