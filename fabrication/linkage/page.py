@@ -35,11 +35,12 @@ EXACT: Final = "_exact"
 
 @dataclass(frozen=True, eq=False)
 class MovingPiece:
-    """A piece that moves: positions of its body and group, and the text shown on hover."""
+    """A piece that moves: positions of its body and group, the text shown on hover, its mark."""
 
     body: int
     group: int
     text: str
+    mark: str = ""
 
 
 @dataclass(frozen=True)

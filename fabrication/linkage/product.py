@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fabrication.formats.base import Format, Material, Standing
+from fabrication.formats.glb import Glb, Movement
 from fabrication.formats.step.format import ASSEMBLY
 from fabrication.formats.tables import SCHEDULES
 from fabrication.formats.threemf import plate_file
@@ -83,12 +84,20 @@ class KitProduct(Product):
     def _scene(self) -> MovingScene:
         return moving_scene(self.kit)
 
+    @cached_property
+    def _movement(self) -> Movement:
+        scene = self._scene
+        marks = [piece.mark for piece in scene.pieces]
+        return Movement(scene.driver, {mark: scene.motions[:, k] for k, mark in enumerate(marks)})
+
     def format(self, name: str) -> Format:
-        """A page and an animation that move, and all that every product has."""
+        """A page, a model and an animation that move, and all that every product has."""
         if name == Html.name:
             return Html(self._scene, partial(report_page, self.kit))
         if name == Gif.name:
             return Gif(self._scene)
+        if name == Glb.name:
+            return Glb(self._movement)
         return super().format(name)
 
     def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:

@@ -58,7 +58,7 @@ def moving_scene(kit: Kit) -> MovingScene:
         own = [i.mark for i in family.instances if i.mark in motions]
         groups.append(Group(f"{family.kind.title} {family.number} ({len(own)})", color))
         for mark in own:
-            pieces.append(MovingPiece(body, body, f"{mark}, {family.number}"))
+            pieces.append(MovingPiece(body, body, f"{mark}, {family.number}", mark))
             placed.append(still @ motions[mark])
     return MovingScene(
         bodies=[mesh_of(shape, SEEN_CHORD_MM) for shape in seen_shapes(kit, families)],

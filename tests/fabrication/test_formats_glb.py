@@ -13,9 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 from gridshell_kinds import KINDS
+from scipy.spatial.transform import Rotation
 
-from fabrication.formats.glb import glb_bytes, write_glb
+from fabrication.formats.glb import Movement, glb_bytes
+from fabrication.formats.glb.movement import quaternions
+from fabrication.formats.glb.normals import shaded
 from fabrication.parts.panel import PanelShape
+from fabrication.parts.pin import PinShape
+from fabrication.solids import mesh_of
 from fabrication.specs import Family, Instance, TriangleMesh
 
 VALIDATOR = os.environ.get("GLTF_VALIDATOR", "")  # .../node_modules/gltf-validator
@@ -84,12 +89,77 @@ def test_each_instance_is_a_named_node_where_its_part_belongs() -> None:
         matrix = np.array(node["matrix"]).reshape(4, 4).T
         placed = points @ matrix[:3, :3].T + matrix[:3, 3]
         ours = meshes[number].vertices @ placement[:3, :3].T + placement[:3, 3]
-        # y up: (x, y, z) [mm] is (x, z, -y) [m]
-        np.testing.assert_allclose(placed, ours[:, [0, 2, 1]] * [1, 1, -1] / 1000, atol=1e-6)
         indices = document["accessors"][primitive["indices"]]
-        offset = document["bufferViews"][1]["byteOffset"] + indices["byteOffset"]
+        offset = document["bufferViews"][2]["byteOffset"] + indices["byteOffset"]
         corners = np.frombuffer(binary, "<u4", indices["count"], offset).reshape(-1, 3)
-        np.testing.assert_array_equal(corners, meshes[number].triangles)
+        # y up: (x, y, z) [mm] is (x, z, -y) [m]; every triangle where it was
+        wanted = ours[meshes[number].triangles][..., [0, 2, 1]] * [1, 1, -1] / 1000
+        np.testing.assert_allclose(placed[corners], wanted, atol=1e-6)
+        role = {"B": "beam", "N": "node", "P": "panel"}[number[0]]
+        assert node["extras"] == {"mark": mark, "number": number, "role": role, "status": "ok"}
+
+
+def test_normals_are_flat_on_blocks_and_radial_on_cylinders() -> None:
+    (box,) = shaded([block(3.0, 4.0, 5.0)])
+    assert len(box.points) == 24  # three a corner
+    assert set(map(tuple, np.abs(box.normals).tolist())) == set(map(tuple, np.eye(3).tolist()))
+    assert np.einsum("ni,ni->n", box.normals, box.points - (1.5, 2.0, 2.5)).min() > 0.0
+    tube = mesh_of(PinShape(4.0, 20.0), 0.02)
+    first, second = shaded([tube, block(1.0, 1.0, 1.0)])
+    np.testing.assert_allclose(np.linalg.norm(first.normals, axis=1), 1.0, atol=1e-12)
+    side = np.abs(first.normals[:, 2]) < 0.5
+    radial = first.points[side, :2] / np.linalg.norm(first.points[side, :2], axis=1)[:, None]
+    assert np.abs(first.normals[side, :2] - radial).max() < 0.1  # half a chord's turn
+    assert np.abs(np.abs(first.normals[~side, 2]) - 1.0).max() < 1e-12
+    # Alone and together they are the same; triangles stay in place.
+    (alone,) = shaded([block(1.0, 1.0, 1.0)])
+    np.testing.assert_array_equal(second.normals, alone.normals)
+    np.testing.assert_array_equal(first.points[first.triangles], tube.vertices[tube.triangles])
+    assert shaded([]) == []
+
+
+def test_quaternions_turn_as_their_matrices_do() -> None:
+    turns = Rotation.random(500, random_state=7).as_matrix()
+    halves = Rotation.from_rotvec(np.pi * np.vstack([np.eye(3), [[0.6, 0.8, 0.0]]]))
+    turns = np.concatenate([turns, halves.as_matrix(), np.eye(3)[None]])
+    back = Rotation.from_quat(quaternions(turns)).as_matrix()
+    np.testing.assert_allclose(back, turns, atol=1e-14)
+
+
+def moving() -> bytes:
+    """The example; a beam turns about z through more than a whole turn."""
+    poses = np.tile(np.eye(4), (9, 1, 1))
+    angles = np.linspace(0.0, 7.0, 9)
+    poses[:, 0, 0] = poses[:, 1, 1] = np.cos(angles)
+    poses[:, 1, 0], poses[:, 0, 1] = np.sin(angles), -np.sin(angles)
+    poses[:, 0, 3] = 1000.0 * angles
+    return glb_bytes(*example(), {"B-0001"}, movement=Movement("turn", {"B-0000": poses}))
+
+
+def test_what_moves_goes_there_and_back_without_jumps() -> None:
+    document, binary = parse(moving())
+    (animation,) = document["animations"]
+    views, accessors = document["bufferViews"], document["accessors"]
+
+    def values(number: int) -> np.ndarray:
+        accessor = accessors[number]
+        start = views[accessor["bufferView"]]["byteOffset"] + accessor["byteOffset"]
+        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        found = np.frombuffer(binary, "<f4", width * accessor["count"], start)
+        return found.reshape(-1, width).astype(float)
+
+    assert {channel["target"]["node"] for channel in animation["channels"]} == {
+        k for k, node in enumerate(document["nodes"]) if node["name"] == "B-0000"
+    }
+    shift, turn = (values(sampler["output"]) for sampler in animation["samplers"])
+    times = values(animation["samplers"][0]["input"])
+    assert len(times) == len(shift) == len(turn) == 17
+    assert (np.diff(times[:, 0]) > 0.0).all()
+    np.testing.assert_allclose(shift, shift[::-1])
+    np.testing.assert_allclose(shift[:9, 0], np.linspace(0.0, 7.0, 9), rtol=1e-6)
+    assert (np.einsum("ti,ti->t", turn[1:], turn[:-1]) > 0.0).all()
+    angle = 2.0 * np.unwrap(np.arctan2(turn[:9, 1], turn[:9, 3]))  # about y, which is up
+    np.testing.assert_allclose(angle, np.linspace(0.0, 7.0, 9), atol=1e-5)
 
 
 def test_panels_are_glass_and_the_rest_is_not() -> None:
@@ -120,7 +190,7 @@ def test_khronos_validator_finds_no_fault(tmp_path: Path) -> None:
     if shutil.which("node") is None or not VALIDATOR:
         pytest.skip("node or the npm package gltf-validator (GLTF_VALIDATOR) is not installed")
     path = tmp_path / "model.glb"
-    write_glb(path, *example(), {"B-0001"})
+    path.write_bytes(moving())
     program = (
         f"require({VALIDATOR!r}).validateBytes(new Uint8Array(require('fs').readFileSync("
         f"{str(path)!r}))).then(r => console.log(JSON.stringify(r.issues)))"
