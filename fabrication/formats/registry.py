@@ -16,6 +16,7 @@ MODULES: Final = {
     "3mf": "fabrication.formats.threemf",
     "glb": "fabrication.formats.glb",
     "ifc": "fabrication.formats.ifc",
+    "3dm": "fabrication.formats.rhino",
     "dxf": "fabrication.formats.dxf",
     "sheets": "fabrication.formats.sheets",
     "csv": "fabrication.formats.csv",

@@ -8,12 +8,13 @@ from typing import Any, Final
 
 from ddgfab.errors import OutputError
 from ddgfab.optimize.report import comparison
-from fabrication.formats.base import Material
+from fabrication.formats.base import Format, Material
 from fabrication.formats.glb import MODEL
 from fabrication.formats.step.format import ASSEMBLY
 from fabrication.formats.tables import SCHEDULES
 from fabrication.formats.xlsx import WORKBOOK
 from fabrication.gridshell.bolt_lists import marks_of, mates_of
+from fabrication.gridshell.compas import Compas
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.remedies import remedies
 from fabrication.gridshell.room import CHORD_MM, gaps_kept
@@ -81,6 +82,10 @@ class GridshellProduct(Product):
     def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
         """See `fabrication.gridshell.schedules`."""
         return schedules(self.design.gridshell, self.families, masses)
+
+    def format(self, name: str) -> Format:
+        """The net for COMPAS, and all that every product has."""
+        return Compas(self.design) if name == Compas.name else super().format(name)
 
     def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:
         """Gaps between neighbours that passed their limits; what is rejected clashes with none."""

@@ -6,10 +6,11 @@ A key's unit is in its name: _mm millimetres, _deg degrees, _percent percent.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, ClassVar, Final, Literal
 
 from pydantic import Field, model_validator
 
+from fabrication.gridshell.compas import Compas
 from fabrication.gridshell.ground_settings import GroundSettings
 from fabrication.gridshell.net_settings import (
     GeneralSettings,
@@ -73,6 +74,12 @@ class CheckSettings(Section):
         return self
 
 
+class GridshellOutput(OutputSettings):
+    """[output] of gridshells."""
+
+    own_formats: ClassVar[tuple[str, ...]] = (Compas.name,)
+
+
 class Project(Section):
     """A whole project, validated. `file` is where it came from, None when made in Python."""
 
@@ -89,7 +96,7 @@ class Project(Section):
     stock: StockSettings = StockSettings()
     rates: RateSettings = RateSettings()
     checks: CheckSettings = CheckSettings()
-    output: OutputSettings = Field(default_factory=OutputSettings)
+    output: GridshellOutput = Field(default_factory=GridshellOutput)
     file: Path | None = Field(default=None, exclude=True)
 
     @property
