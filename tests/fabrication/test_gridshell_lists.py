@@ -254,7 +254,14 @@ def test_costs_are_rates_times_what_the_lists_have() -> None:
     assert costs["ends of beams"] == pytest.approx(2.5 * 2 * len(shell.beams))
     assert costs["nodes"] == pytest.approx(60.0 * len(shell.nodes))
     assert costs["holes for bolts, in nodes and beams"] == pytest.approx(3.0 * 4 * len(shell.beams))
+    assert costs["openings behind the holes of beams"] == pytest.approx(3.0 * 2 * len(shell.beams))
     assert "costs" not in schedules(dome().detail())
+    timber = dome().detail(rates=rates, **VARIANTS["slotted"])
+    costs = {row["item"]: row["quantity"] for row in schedules(timber)["costs"]}
+    bolts = 4 * len(timber.beams)
+    assert costs["holes for bolts, in nodes and beams"] == 3 * bolts  # both discs and the beam
+    assert costs["recesses for heads and nuts in beams"] == 2 * bolts
+    assert "openings behind the holes of beams" not in costs
     only = schedules(dome().detail(rates={"cut": 0.0}))["costs"]
     assert only.column("item") == ["ends of beams"]
 

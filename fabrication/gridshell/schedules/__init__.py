@@ -168,14 +168,23 @@ def quantities(
     gridshell: Gridshell, tables: Mapping[str, Table]
 ) -> Iterator[tuple[str, str, float]]:
     """What [rates] are for: name of the rate, what it is, and how much of it there is."""
-    yield "kg", "steel of beams", math.fsum(tables["beams"].column("mass_kg"))
+    material = gridshell.project.beam.material.lower()
+    yield "kg", f"{material} of beams", math.fsum(tables["beams"].column("mass_kg"))
     yield "kg", "steel of nodes", math.fsum(tables["nodes"].column("mass_kg"))
     if gridshell.bases:
         yield "kg", "steel of base plates", math.fsum(tables["bases"].column("mass_kg"))
     yield "m2", "panes", math.fsum(tables["panels"].column("area_m2"))
     yield "cut", "ends of beams", 2.0 * len(tables["beams"])
-    holes = 2.0 * len(gridshell.bolts)  # one in the node, one in the end of the beam
-    if holes:
+    ends = [how for beam in gridshell.beams if beam.joined for how in beam.joined]
+    combs = [how.comb for how in ends if how.comb is not None]
+    recesses = 2.0 * sum(len(comb.steps) for comb in combs)  # for head and nut
+    if gridshell.bolts:  # a hole in the node, or one in both of its discs, and one in the beam
+        holes = 2.0 * len(gridshell.bolts) + 0.5 * recesses
         yield "hole", "holes for bolts, in nodes and beams", holes
-        yield "hole", "openings behind the holes of beams", holes / 2.0
+    if openings := sum(how.end is not None for how in ends):
+        yield "hole", "openings behind the holes of beams", float(openings)
+    if recesses:
+        yield "hole", "recesses for heads and nuts in beams", recesses
+    if gridshell.anchors:
+        yield "hole", "holes for anchors in base plates", float(len(gridshell.anchors))
     yield "node", "nodes", float(len(tables["nodes"]))
