@@ -150,7 +150,8 @@ def sheets_of(
 def _is_constant(column: str, rows: Sequence[Row]) -> bool:
     """Whether a column without a number says the same in all rows."""
     first = rows[0].get(column)
-    return NUMBERED.search(column) is None and all(row.get(column) == first for row in rows)
+    alike = all(row.get(column) == first for row in rows)
+    return alike and NUMBERED.search(column) is None and column != "status"
 
 
 def _blocks(names: Sequence[str]) -> list[list[str]]:
