@@ -7,9 +7,9 @@ bottom it is welded; anchors go through the plate.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from fabrication.solids.section import segments
 from fabrication.solids.sweep import End, walls
 from fabrication.specs import Kind, Loop
 from fabrication.variants import Variants, key_of
+
+if TYPE_CHECKING:
+    from fabrication.drawings.views import Drawing
 
 BASE: Final = Kind(
     role="base",
@@ -122,6 +125,12 @@ class BaseShape:
         """The round bar of the post, and the length to saw, over all [mm]."""
         over_all = self.length + self.radius * math.tan(self.lean)
         return [(f"round {2 * self.radius:g}", over_all)]
+
+    def drawing(self, about: Mapping[str, Any]) -> Drawing:
+        """What its sheet shows."""
+        from fabrication.parts.base_drawing import base_drawing
+
+        return base_drawing(self)
 
     def dimensions(self) -> dict[str, Any]:
         """Plate, holes and post."""

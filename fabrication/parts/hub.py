@@ -107,6 +107,14 @@ class HubShape(StarShape):
         ring = Loop(np.array([(self.bore, 0.0), (-self.bore, 0.0)]), np.array([-1.0, -1.0]))
         return Section((outer, ring), right, left)
 
+    def circles(self) -> list[tuple[str, float, float]]:
+        """Those of the hub and its bore."""
+        opened = gaps(self.azimuths)
+        widest = max(range(len(opened)), key=opened.__getitem__)
+        middle = self.azimuths[widest] + 0.5 * opened[widest]
+        found = [("hub_mm", self.hub, middle)]
+        return [*found, ("hub_bore_mm", self.bore, middle + 0.3)] if self.bore else found
+
     def dimensions(self) -> dict[str, Any]:
         """Those of a star, and the hub's diameter."""
         return {

@@ -11,7 +11,15 @@ from fabrication.drawings.lengths import Length
 from fabrication.drawings.notes import Note
 from fabrication.drawings.running import Azimuths, Running
 from fabrication.drawings.views import Drawing, Measure
-from fabrication.parts.node.drawing import ENDS, NOTE, arms_of, heights, marked, node_views
+from fabrication.parts.node.drawing import (
+    ENDS,
+    NOTE,
+    arms_of,
+    diameter,
+    heights,
+    marked,
+    node_views,
+)
 
 if TYPE_CHECKING:
     from fabrication.parts.spool import SpoolShape
@@ -48,6 +56,8 @@ def star_drawing(shape: StarShape, about: Mapping[str, Any]) -> Drawing:
         Length("plate_length_mm", (0.0, 0.0, z1), (far, -half, z1), "across", "below"),
         *marked(shape.mark, z1),
     ]
+    for name, radius, angle in shape.circles():
+        plan.append(diameter(name, radius, z1, angle))
     own = [hole for hole in shape.holes if hole.arm == 0]
     holes: tuple[tuple[str, Vec], ...] = tuple(("hole", (h.distance, -half, h.z)) for h in own)
     front: list[Measure] = [*heights(z0, z1, far)]

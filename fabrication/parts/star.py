@@ -144,6 +144,10 @@ class StarShape:
         """The section across the axis."""
         return star_section(self)
 
+    def circles(self) -> list[tuple[str, float, float]]:
+        """Name, radius and an azimuth [rad] between two plates of its round surfaces."""
+        return []
+
     def drawing(self, about: Mapping[str, Any]) -> Drawing:
         """What its sheet shows."""
         from fabrication.parts.plate_nodes_drawing import star_drawing

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Final
 
+from fabrication.drawings.dxf_file import Layer, template
 from fabrication.solids.plate import Plate
 from fabrication.specs import Loop
 
 CUT: Final = "CUT"
 DETAIL: Final = "DETAIL"
-LAYERS: Final = {CUT: 7, DETAIL: 8}
+LAYERS: Final = (Layer(CUT, 7), Layer(DETAIL, 8))
 """Layers and their colors by index: what is cut through; the outline of the smaller face."""
 
 _FIRST_HANDLE: Final = 0x1000
@@ -23,43 +22,13 @@ def dxf_text(flat: Plate, release: str = "R2010") -> str:
 
     Every file of a release has the same header, tables and objects, made by ezdxf once.
     """
-    before, after, owner = _template(release)
+    before, after, owner = template(release, LAYERS)
     handles = iter(range(_FIRST_HANDLE, 1 << 32))
     drawn = [(CUT, loop) for loop in flat.loops] + [(DETAIL, loop) for loop in flat.other]
     draw = _lightweight if release != "R12" else _vertices
     entities = [line for layer, loop in drawn for line in draw(layer, loop, handles, owner)]
     seed = f"{next(handles):X}"
     return before.replace("$SEED$", seed) + "".join(f"{line}\n" for line in entities) + after
-
-
-@lru_cache(maxsize=4)
-def _template(release: str) -> tuple[str, str, str]:
-    """Text before and after the entities, and the handle of the model space."""
-    from ezdxf import options, units  # type: ignore[attr-defined]  # no __all__
-    from ezdxf.filemanagement import new
-    from ezdxf.lldxf import const
-
-    fixed = options.write_fixed_meta_data_for_testing
-    options.write_fixed_meta_data_for_testing = True  # no dates, no random ids
-    try:
-        document = new(release)
-        if document.dxfversion > const.DXF12:
-            document.units = units.MM
-        else:  # that release has no such variable, and ezdxf warns of it
-            del document.header["$INSUNITS"]
-        for layer, color in LAYERS.items():
-            document.layers.add(layer, color=color)
-        stream = io.StringIO()
-        document.write(stream)
-    finally:
-        options.write_fixed_meta_data_for_testing = fixed
-    text = stream.getvalue()
-    start = "  2\nENTITIES\n"
-    at = text.index(start) + len(start)
-    before = text[:at]
-    seed = before.index("$HANDSEED\n  5\n") + len("$HANDSEED\n  5\n")
-    before = before[:seed] + "$SEED$" + before[before.index("\n", seed) :]
-    return before, text[at:], document.modelspace().layout_key
 
 
 def _lightweight(layer: str, loop: Loop, handles: Iterator[int], owner: str) -> list[str]:

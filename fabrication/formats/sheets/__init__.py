@@ -1,4 +1,7 @@
-"""Sheets: dimensioned drawings of every part number, as PDF; a file a role and one of all."""
+"""Sheets as PDF: overviews, erection, and a dimensioned drawing of every part number.
+
+A file a group, and one of all.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,16 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
+from fabrication.drawings.dxf import sheets_dxf
 from fabrication.drawings.pdf import Page, page_of, pdf_bytes
+from fabrication.drawings.sheet import Sheet
 from fabrication.formats.base import Contents, Format, Whole
+from fabrication.formats.sheets.overview import (
+    ERECTION,
+    OVERVIEW,
+    erection_sheets,
+    overview_sheets,
+)
 from fabrication.formats.sheets.parts import is_drawn, sheets_of_parts
 from fabrication.specs import Check, Family
 
@@ -24,18 +35,33 @@ class Sheets(Format):
     name = "sheets"
     suffixes = (".pdf",)
     needs = {"reportlab": "reportlab"}  # noqa: RUF012
-    libraries = ("reportlab",)
+    libraries = ("reportlab", "ezdxf")
+    options = {"dxf": ("none", "R2010", "R12")}  # noqa: RUF012
 
     def whole_files(self, contents: Contents) -> list[str]:
-        """A file a group of parts, and one of all."""
-        return [path_of(name) for name in [*groups(contents.families), ALL]]
+        """A file a group of sheets, and one of all."""
+        names = [*groups(contents.families, contents.tables), ALL]
+        dxf: list[str] = []
+        if self.option(contents.about, "dxf") != "none":
+            dxf = [name for name in names if name in (OVERVIEW.lower(), ERECTION.lower())]
+            dxf += [family.number for family in contents.families if is_drawn(family)]
+        return [*map(path_of, names), *map(dxf_of, dxf)]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
-        """Every page is made once, and goes into two files."""
+        """Every page is made once, and goes into two files; DXF where the project wants it."""
         (folder / SHEETS).mkdir(exist_ok=True)
         pages: dict[str, list[Page]] = {}
-        for group, sheet in sheets_of_parts(whole):
+        release = self.option(whole.about, "dxf")
+        drawn: dict[str, list[Sheet]] = {}
+        for group, sheet in sheets_of_whole(whole):
             pages.setdefault(group, []).append(page_of(sheet, group))
+            if release != "none":
+                plans = group in (OVERVIEW, ERECTION)
+                drawn.setdefault(group.lower() if plans else sheet.subject, []).append(sheet)
+        for subject, sheets in drawn.items():
+            path = folder / dxf_of(subject)
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(sheets_dxf(sheets, release), "utf-8", newline="\r\n")
         title = whole.about.title
         for group, own in pages.items():
             data = pdf_bytes(own, f"{title.title}: {group}", title.author, title.number)
@@ -49,7 +75,7 @@ class Sheets(Format):
         """That the files are there and end as PDF does."""
         families = [part.family for part in whole.parts.values()]
         checks = []
-        for name in [*groups(families), ALL]:
+        for name in [*groups(families, list(whole.tables or ())), ALL]:
             data = (folder / path_of(name)).read_bytes()
             complete = data.startswith(b"%PDF-") and data.rstrip().endswith(b"%%EOF")
             checks.append(Check(f"sheets {name} complete", complete))
@@ -64,10 +90,31 @@ def path_of(name: str) -> str:
     return f"{SHEETS}/{name}.pdf"
 
 
-def groups(families: Sequence[Family]) -> list[str]:
-    """Names of the files of parts: their groups, in order."""
+def dxf_of(name: str) -> str:
+    """Path below the output folder of the sheets of a part number, or of plans, as DXF."""
+    return f"{SHEETS}/dxf/{name}.dxf"
 
-    def titles() -> Iterator[str]:
-        yield from (family.kind.title.lower() for family in families if is_drawn(family))
 
-    return list(dict.fromkeys(titles()))
+def groups(families: Sequence[Family], tables: Sequence[str]) -> list[str]:
+    """Names of the files of sheets, in order: overviews of what is built, and groups of parts."""
+    found: list[str] = []
+    if has_plans(families):
+        found.append(OVERVIEW.lower())
+        if {"beams", "nodes"} <= set(tables):
+            found.append(ERECTION.lower())
+    found += [family.kind.title.lower() for family in families if is_drawn(family)]
+    return list(dict.fromkeys(found))
+
+
+def has_plans(families: Sequence[Family]) -> bool:
+    """Whether a structure is of bars or sheets, which plans show."""
+    return any(family.kind.form in ("bar", "sheet") for family in families)
+
+
+def sheets_of_whole(whole: Whole) -> Iterator[tuple[str, Sheet]]:
+    """Group and sheet: overviews, erection, and every part number."""
+    if has_plans([part.family for part in whole.parts.values()]):
+        yield from overview_sheets(whole)
+        if {"beams", "nodes"} <= set(whole.tables or ()):
+            yield from erection_sheets(whole)
+    yield from sheets_of_parts(whole)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from fabrication.drawings.block import Block
-from fabrication.drawings.compose import Paragraph, part_sheets
+from fabrication.drawings.columns import Paragraph
+from fabrication.drawings.compose import part_sheets
 from fabrication.drawings.overall import overall_drawing
 from fabrication.drawings.sheet import Sheet
 from fabrication.drawings.views import Drawn, List, shown
@@ -79,20 +81,28 @@ def sheets_of(
     return part_sheets(drawing, part.boundary, part.mesh, block, part.number, extra)
 
 
-def block_of(about: Provenance, part: Part, order: Row, quantity: int) -> Block:
-    """The title block of a part's sheet."""
+def project_block(about: Provenance, subtitle: str, document: str) -> Block:
+    """The title block of a sheet of the project."""
     title = about.title
-    number = f"{title.number}-{part.number}" if title.number else part.number
     return Block(
         title=title.title,
-        subtitle=f"{part.kind.role.capitalize()} {part.number}",
-        number=number,
-        document=DOCUMENT,
+        subtitle=subtitle,
+        number=title.number,
+        document=document,
         owner=about.header.organization,
         client=title.client,
         author=title.author,
         date=title.date,
         revision=title.revision,
+    )
+
+
+def block_of(about: Provenance, part: Part, order: Row, quantity: int) -> Block:
+    """The title block of a part's sheet."""
+    block = project_block(about, f"{part.kind.role.capitalize()} {part.number}", DOCUMENT)
+    return replace(
+        block,
+        number=f"{block.number}-{part.number}" if block.number else part.number,
         material=str(order.get("material") or part.material.name),
         mass=f"{part.mass:.2f} kg" if part.mass >= 0.1 else f"{1000.0 * part.mass:.2f} g",
         quantity=str(quantity),
