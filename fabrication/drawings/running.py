@@ -52,10 +52,15 @@ class Running:
         """On the first dimension line where all texts find room."""
         k = 0 if self.way == "across" else 1
         feet: dict[float, tuple[str, Vec]] = {}
+        seen: set[float] = {0.0}
         for name, point in self.points:
-            away = [point[i] - self.origin[i] for i in range(3)]
-            feet.setdefault(round(view.way((away[0], away[1], away[2]))[k], 6), (name, point))
-        feet.pop(0.0, None)
+            away = (
+                point[0] - self.origin[0], point[1] - self.origin[1], point[2] - self.origin[2],
+            )  # fmt: skip
+            value = view.way(away)[k]
+            if round(value, 6) + 0.0 not in seen:
+                seen.add(round(value, 6))
+                feet[value] = (name, point)
         if not feet:
             return
         normal = TOWARD[self.side]

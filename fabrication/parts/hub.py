@@ -112,7 +112,7 @@ class HubShape(StarShape):
         opened = gaps(self.azimuths)
         widest = max(range(len(opened)), key=opened.__getitem__)
         middle = self.azimuths[widest] + 0.5 * opened[widest]
-        found = [("hub_mm", self.hub, middle)]
+        found = [("hub_diameter_mm", self.hub, middle)]
         return [*found, ("hub_bore_mm", self.bore, middle + 0.3)] if self.bore else found
 
     def dimensions(self) -> dict[str, Any]:

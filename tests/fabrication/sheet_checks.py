@@ -9,6 +9,9 @@ import numpy as np
 
 from fabrication.drawings.lettering import LEAST
 from fabrication.drawings.sheet import Dimension, Item, Sheet, Text, frame_of
+from fabrication.formats.base import Part, Whole
+from fabrication.job.product import HasProduct
+from fabrication.solids import realise
 
 STEP = 0.2
 """Lines are followed by points so far apart [mm]."""
@@ -97,3 +100,20 @@ def measured(sheet: Sheet, dimension: Dimension) -> float | None:
         )
     )
     return float(np.linalg.norm(feet[1] - feet[0])) / scale
+
+
+def whole_of(made: HasProduct, role: str = "") -> Whole:
+    """A structure as its job would have it, without the job."""
+    product = made.product()
+    parts = {
+        family.number: Part.of(
+            family,
+            realise(family.shape, product.chord, solid=False),
+            product.material(family.role),
+        )
+        for family in product.families
+        if role in ("", family.role)
+    }
+    tables = product.schedules({number: part.mass for number, part in parts.items()} or {})
+    rows = {name: table.rows for name, table in tables.items()}
+    return Whole(product.about(), parts, product.placed, product.shown, tables=rows)

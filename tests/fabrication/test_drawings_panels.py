@@ -8,31 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from roofs import hexagons
-from sheet_checks import faults, measured
+from sheet_checks import faults, measured, whole_of
 
 from fabrication.drawings.sheet import Sheet
-from fabrication.formats.base import Part, Whole
+from fabrication.formats.base import Whole
 from fabrication.formats.sheets import FORMAT
 from fabrication.formats.sheets.parts import sheets_of_parts
-from fabrication.gridshell.design import Design, design
-from fabrication.solids import realise
-
-
-def whole_of(made: Design, role: str = "") -> Whole:
-    """A structure as its job would have it, without the job."""
-    product = made.product()
-    parts = {
-        family.number: Part.of(
-            family,
-            realise(family.shape, product.chord, solid=False),
-            product.material(family.role),
-        )
-        for family in product.families
-        if role in ("", family.role)
-    }
-    tables = product.schedules({number: part.mass for number, part in parts.items()} or {})
-    rows = {name: table.rows for name, table in tables.items()}
-    return Whole(product.about(), parts, product.placed, product.shown, tables=rows)
+from fabrication.gridshell.design import design
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +86,8 @@ def test_the_same_structure_gives_the_same_bytes(
         (tmp_path / name).mkdir()
         assert FORMAT.write_whole(tmp_path / name, whole) == []
     files = sorted(path.name for path in (tmp_path / "one" / "sheets").iterdir())
-    assert files == ["all.pdf", "beams.pdf", "nodes.pdf", "panels.pdf"]
+    groups = ["all", "beams", "erection", "nodes", "overview", "panels"]
+    assert files == [f"{name}.pdf" for name in groups]
     for name in files:
         one, two = ((tmp_path / n / "sheets" / name).read_bytes() for n in ("one", "two"))
         assert one == two
