@@ -18,6 +18,7 @@ MODULES: Final = {
     "ifc": "fabrication.formats.ifc",
     "3dm": "fabrication.formats.rhino",
     "dxf": "fabrication.formats.dxf",
+    "nc1": "fabrication.formats.nc1",
     "sheets": "fabrication.formats.sheets",
     "csv": "fabrication.formats.csv",
     "xlsx": "fabrication.formats.xlsx",

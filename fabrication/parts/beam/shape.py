@@ -18,6 +18,7 @@ from fabrication.parts.beam.straps import StrapEnd, strap_holes
 from fabrication.parts.beam.stud import stud_details
 from fabrication.parts.beam.volume import beam_volume
 from fabrication.solids.plate import Blank
+from fabrication.solids.sawn import SawnBar
 from fabrication.specs import Kind, Profile
 from fabrication.standards.profiles import z_range
 from fabrication.variants import Variants
@@ -169,6 +170,22 @@ class BeamShape:
             found["skew_start_deg"] = float(np.degrees(-np.arctan(self.start.skew)))
             found["skew_end_deg"] = float(np.degrees(np.arctan(self.end.skew)))
         return found
+
+    def sawn(self) -> SawnBar | None:
+        """The bar between plates, where its ends are flat and nothing is cut into them."""
+        bar = bar_of(self)
+        for cut in (bar.start, bar.end):
+            if cut.radius is not None or cut.stud or cut.slot or cut.comb:
+                return None
+        if bar.is_skew:
+            return None
+        return SawnBar(
+            bar.profile,
+            (bar.start.x, bar.start.slope),
+            (bar.end.x, bar.end.slope),
+            tuple((hole.x, hole.z, hole.diameter) for hole in bar.holes),
+            beam_volume(bar),
+        )
 
     def details(self) -> dict[str, Any]:
         """From cut to cut at the top and the bottom of the profile; holes through the ends."""
