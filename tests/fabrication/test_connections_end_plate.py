@@ -130,7 +130,7 @@ def test_holes_of_neighbours_keep_apart() -> None:
         ({"beam": {**THIN, "end": "cope"}}, ["end_plate", '[beam] end = "cope"']),
         ({"connection": {**FOUR, "plate_mm": 300.0}}, ["the series has none", "plate_mm"]),
         ({"node": {"kind": "star"}}, ['kind = "star"', '"end_plate"']),
-        ({"beam": {"profile": "FL 80x150"}}, ["the series ends at 250 mm", "a smaller bolt"]),
+        ({"beam": {"profile": "FL 80x150"}}, ["the series ends at 250 mm", "[connection] bolt"]),
         (
             {"node": {"kind": "tube", "diameter_mm": 120.0, "wall_mm": 45.0}},
             ["N-0000", "B-0000", "23.9 mm from its middle", "15.0 mm", "25.9 mm are needed"],

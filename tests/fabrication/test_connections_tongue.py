@@ -98,7 +98,7 @@ def test_nuts_of_neighbours_keep_apart() -> None:
 @pytest.mark.parametrize(
     ("sections", "words"),
     [
-        ({"beam": {"profile": "FL 100x24"}}, ["cheeks of 5.5 mm", "6 mm each", "FL 33x25"]),
+        ({"beam": {"profile": "FL 100x24"}}, ["cheeks of 5.5 mm", "6 mm each", "FL 35x25"]),
         ({"beam": {"profile": "FL 30x40"}}, ["15.0 mm from the edge", "16.2 mm", 'bolt = "M10"']),
         ({"beam": {"profile": "RHS 100x60x4"}}, ["only flat bars"]),
         ({"node": {"kind": "plates"}}, ['needs [node] kind = "star"', '"plates"']),

@@ -180,6 +180,10 @@ class Connection(ABC):
         """The radial holes that nodes must have room for."""
         return None
 
+    def of_size(self, size: Fastener) -> Connection:
+        """The same with fasteners of another size, where it has such."""
+        return self
+
     def arm_width(self, profile: Profile) -> float:
         """Width [mm] that the connection needs of the seat of an arm."""
         return 0.0

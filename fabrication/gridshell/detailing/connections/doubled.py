@@ -16,7 +16,7 @@ from fabrication.gridshell.detailing.frames import beam_mark, node_mark
 from fabrication.parts.beam import StrapEnd
 from fabrication.parts.beam.slot import bar_sides
 from fabrication.standards import plates
-from fabrication.standards.fasteners import Fastener, fasteners
+from fabrication.standards.fasteners import fasteners
 
 if TYPE_CHECKING:
     from fabrication.gridshell.detailing.nodes.base import Joints
@@ -84,12 +84,21 @@ class DoubledTongue(BoltedTongue):
         lap = max(LEAST_LAP * thick, 30.0 + 2.0 * self.weld, 8.0 * self.weld)
         return StrapEnd(thick, self.height(profile), reach, STEP * math.ceil(lap / STEP - SLACK))
 
+    def suits(self, profile: Profile) -> bool:
+        """Whether tongue, straps and holes go with a flat bar."""
+        return self._goes_between(profile) and 0.5 * self.height(profile) >= self.size.edge
+
+    def _goes_between(self, profile: Profile) -> bool:
+        """Whether the tongue is as thick as the width of a bar allows."""
+        thick, most = self.thickness(profile), profile.width - 2.0 * self.clearance
+        return profile.width - THINNER - SLACK <= thick <= most + SLACK
+
     def check_profile(self, joints: Joints) -> None:
         """Raise where tongue or straps do not go with the bar."""
         profile, arms = joints.profile, joints.arms
         where = f"node {node_mark(arms.node[0])}, beam {beam_mark(arms.edge[0])} (and all others): "
         thick, most = self.thickness(profile), profile.width - 2.0 * self.clearance
-        if not profile.width - THINNER - SLACK <= thick <= most + SLACK:
+        if not self._goes_between(profile):
             near = sorted(plates(), key=lambda t: abs(t + THINNER - profile.width))[:2]
             bars = " or ".join(f'"FL {profile.depth:g}x{t + THINNER:g}"' for t in sorted(near))
             raise DetailError(
@@ -108,10 +117,3 @@ class DoubledTongue(BoltedTongue):
                 + (f'[connection] bolt = "{fits[-1]}" or ' if fits else "")
                 + f'[beam] profile = "FL {STEP * math.ceil(deep / STEP):g}x{profile.width:g}"'
             )
-
-    @classmethod
-    def made(
-        cls, size: Fastener, given: float | None, clearance: float, weld: float
-    ) -> DoubledTongue:
-        """The one of some settings."""
-        return cls(size, 0.0 if given is None else given, clearance, given, weld)

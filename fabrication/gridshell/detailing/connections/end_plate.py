@@ -118,6 +118,10 @@ class EndPlate(Connection):
         cover = (high - low) * math.hypot(1.0, slope) + 2.0 * (plate * slope + self.leg)
         return STEP * math.ceil(cover / STEP)
 
+    def of_size(self, size: Fastener) -> Self:
+        """The same with fasteners of another size."""
+        return replace(self, size=size)
+
     def drilling(self, profile: Profile) -> Drilling:
         """Tapped holes beside the radius."""
         return drilling(self.size, self.thread, self.column(profile))

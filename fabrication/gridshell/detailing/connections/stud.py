@@ -8,7 +8,7 @@ section. Distances: EN 1993-1-8:2005, table 3.3.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Final, Self
 
 import numpy as np
@@ -25,6 +25,7 @@ from fabrication.gridshell.detailing.connections.threads import (
     FastenerChoice,
     check_square,
     drilling,
+    least_flat,
     tapped,
     threaded,
 )
@@ -80,6 +81,10 @@ class Stud(Connection):
         size, choice, plates, thread = tapped(project)
         return cls(size, choice, plates, project.beam.clearance_mm, thread)
 
+    def of_size(self, size: Fastener) -> Self:
+        """The same with fasteners of another size."""
+        return replace(self, size=size)
+
     def drilling(self, profile: Profile) -> Drilling:
         """Tapped holes, a run-out deeper than their thread."""
         return drilling(self.size, self.thread)
@@ -104,7 +109,7 @@ class Stud(Connection):
             raise DetailError(
                 f"node {node_mark(arms.node[0])}, beam {beam_mark(arms.edge[0])} (and all others): "
                 f"{found}\ntake {advice}, or a flat bar [beam] profile = "
-                f'"FL {math.ceil(deep):g}x{math.ceil(wide):g}" or larger'
+                f'"{least_flat(deep, wide)}" or larger'
             )
 
     def fit(self, joints: Joints, size: NodeSize) -> Joined:

@@ -12,6 +12,7 @@ import numpy as np
 from ddgfab.errors import DetailError
 from fabrication.gridshell.detailing.connections.base import Drilling, Mounted, usual_plates
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
+from fabrication.parts.beam.slot import bar_sides
 from fabrication.parts.fastener import bolt, nut, stud, washer
 from fabrication.standards import plates
 from fabrication.standards.fasteners import Fastener, bolt_length, fastener, stud_length
@@ -27,6 +28,9 @@ DEPTH_STEP: Final = 0.5
 
 THROUGH: Final = 10.0
 """How far [mm] a bolt may stand out of the wall of a tube, in its bore."""
+
+FLAT_STEP: Final = 5.0
+"""Flat bars that messages name are multiples of this [mm]."""
 
 SLACK: Final = 1e-9
 """A bolt [mm] may be longer by this: rounding of sums."""
@@ -50,6 +54,12 @@ class Threaded:
     mounted: tuple[Mounted, ...]
     length: float
     plate: float
+
+
+def least_flat(depth: float, width: float) -> str:
+    """The flat bar that is just large enough, in steps of 5 mm."""
+    deep, wide = (FLAT_STEP * math.ceil(size / FLAT_STEP) for size in (depth, width))
+    return f"FL {deep:g}x{wide:g}"
 
 
 def tapped(project: Project) -> tuple[Fastener, FastenerChoice, tuple[float, ...], float | None]:
@@ -155,12 +165,24 @@ def _no_length(
     )
 
 
+def check_flat(joints: Joints) -> None:
+    """Raise `DetailError` where the profile is not a flat bar, as slots and straps need it."""
+    try:
+        bar_sides(joints.profile)
+    except DetailError as error:
+        arms = joints.arms
+        raise DetailError(
+            f"node {node_mark(arms.node[0])}, beam {beam_mark(arms.edge[0])} (and all others): "
+            f'{error}\ntake such a bar, or [connection] kind = "end_plate" with round nodes'
+        ) from None
+
+
 def check_square(joints: Joints, kind: str, what: str) -> None:
     """Raise `DetailError` where ends are coped, or torsion makes compound cuts."""
     if joints.project.beam.end != "flat":
         raise DetailError(
             f'[connection] kind = "{kind}" needs flat ends, not [beam] end = "cope": the plate at '
-            "the end of a beam lies flat on its seat"
+            'the end of a beam lies flat on its seat\ntake [beam] end = "flat"'
         )
     skew = np.where(joints.own, np.abs(joints.frames.skew), 0.0).max(axis=1)
     if skew.any():

@@ -21,6 +21,7 @@ from fabrication.gridshell.detailing.connections.base import (
     Tongue,
     usual_plate,
 )
+from fabrication.gridshell.detailing.connections.threads import check_flat, least_flat
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
 from fabrication.parts.beam import StrapEnd
 from fabrication.parts.beam.slot import bar_sides
@@ -34,6 +35,7 @@ from fabrication.standards.fasteners import (
 )
 
 if TYPE_CHECKING:
+    from fabrication.gridshell.detailing.connections.doubled import DoubledTongue
     from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
     from fabrication.gridshell.project import Project
 
@@ -77,9 +79,7 @@ class BoltedTongue(Connection):
         size = fastener(settings.bolt)
         plate = None if settings.plate_mm == "auto" else settings.plate_mm
         if settings.ends == "doubled":
-            from fabrication.gridshell.detailing.connections.doubled import DoubledTongue
-
-            return DoubledTongue.made(size, plate, clearance, settings.weld_mm)
+            return _doubled(size, plate, clearance, settings.weld_mm)
         return cls(size, usual_plate(size) if plate is None else plate, clearance)
 
     def thickness(self, profile: Profile) -> float:
@@ -144,7 +144,8 @@ class BoltedTongue(Connection):
             )
         if project.beam.end != "flat":
             raise DetailError(
-                '[connection] kind = "bolted_tongue" needs flat ends, not [beam] end = "cope"'
+                '[connection] kind = "bolted_tongue" needs flat ends, not [beam] end = "cope"\n'
+                'take [beam] end = "flat"'
             )
         if np.abs(frames.roll[joints.own]).any():
             worst = int(np.where(joints.own.any(axis=1), frames.torsion, -1.0).argmax())
@@ -154,7 +155,7 @@ class BoltedTongue(Connection):
                 'take [connection] kind = "welded", or a net without torsion ([optimize] goal = '
                 '"torsion-free")'
             )
-        bar_sides(joints.profile)
+        check_flat(joints)
         self.check_profile(joints)
 
     def check_profile(self, joints: Joints) -> None:
@@ -168,12 +169,15 @@ class BoltedTongue(Connection):
                 and not _misfit(size, usual_plate(size), self.clearance, joints.profile)
             ]
             advice = f'[connection] bolt = "{fits[-1]}"' if fits else "another profile"
+            weld = joints.project.connection.weld_mm
+            if _doubled(self.size, None, self.clearance, weld).suits(joints.profile):
+                advice = f'[connection] ends = "doubled", {advice}'
             wide = 2.0 * (self.plate + self.clearance)
             arms = joints.arms
             raise DetailError(
                 f"node {node_mark(arms.node[0])}, beam {beam_mark(arms.edge[0])} (and all others): "
                 f"{found}\ntake {advice}, or a flat bar [beam] profile = "
-                f'"FL {math.ceil(2.0 * self.size.edge):g}x{math.ceil(wide):g}" or larger'
+                f'"{least_flat(2.0 * self.size.edge, wide)}" or larger'
             )
 
     def fit(self, joints: Joints, size: NodeSize) -> Joined:
@@ -215,6 +219,13 @@ class BoltedTongue(Connection):
             tongue=tongue,
             weld=None if tongue.straps is None else joints.project.connection.weld_mm,
         )
+
+
+def _doubled(size: Fastener, plate: float | None, clearance: float, weld: float) -> DoubledTongue:
+    """A tongue between straps."""
+    from fabrication.gridshell.detailing.connections.doubled import DoubledTongue
+
+    return DoubledTongue(size, 0.0 if plate is None else plate, clearance, plate, weld)
 
 
 def _misfit(size: Fastener, plate: float, clearance: float, profile: Profile) -> str:

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Final, Self
 
 import numpy as np
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
-from fabrication.gridshell.detailing.arm_room import least_radii
+from fabrication.gridshell.detailing.arm_room import arm_width, least_radii
 from fabrication.gridshell.detailing.connections.base import Connection, Drilling, Joined
-from fabrication.gridshell.detailing.frames import Arms, beam_mark, listed, node_mark
+from fabrication.gridshell.detailing.frames import beam_mark, listed, node_mark
+from fabrication.gridshell.detailing.nodes.advice import forced, middle, rolled
 from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
 from fabrication.gridshell.detailing.nodes.hub import Hub, TubeHub
 from fabrication.parts.node import NodeShape, RadialHole, ReferenceMark, Seat
 from fabrication.specs import Profile
 from fabrication.standards import node_diameters
-from fabrication.standards.profiles import z_range
+from fabrication.standards.fasteners import fastener, fasteners
 
 LEAST_WALL: Final = 2.0
 """Steel [mm] that a seat must leave between itself and the bore, or the axis."""
@@ -46,7 +48,6 @@ class Cylinder(NodeSize):
     summary: ClassVar[str] = "round bar, EN 10060, with a flat milled for each arm"
     series: ClassVar[str] = "cylinder"
     body: ClassVar[str] = "a cylinder"
-    remedy: ClassVar[str] = "a narrower [beam] profile"
 
     @classmethod
     def joined_by(cls, connection: Connection, profile: Profile) -> type[NodeSize]:
@@ -79,10 +80,11 @@ class Cylinder(NodeSize):
                 if diameter >= settings.min_diameter_mm and not size.misfit(joints):
                     return size
             why = size.misfit(joints) if size.radius >= needed - RADIUS_SLACK else ""
+            bolt = _smaller(cls, joints)
             raise DetailError(
-                f"{_forced(arms, worst)}, which needs a diameter of {2 * needed:.1f} mm; the "
+                f"{forced(arms, worst)}, which needs a diameter of {2 * needed:.1f} mm; the "
                 f"series ends at {series[-1]:g} mm{f', where {why}' * bool(why)}\n"
-                f"take a narrower [beam] profile{_smaller(joints)}{_middle(joints)} or a "
+                f"take a narrower [beam] profile{f', {bolt}' * bool(bolt)}{middle(joints)} or a "
                 "larger [node] series_mm"
             )
         size = cls._of(settings.diameter_mm, needed, int(arms.node[worst]), joints)
@@ -90,12 +92,12 @@ class Cylinder(NodeSize):
             bad = np.flatnonzero(needs > size.radius + RADIUS_SLACK)
             bad = bad[np.argsort(-needs[bad], kind="stable")]
             raise listed(
-                [f"{_forced(arms, k)}, which needs {2 * needs[k]:.1f} mm" for k in bad.tolist()],
+                [f"{forced(arms, k)}, which needs {2 * needs[k]:.1f} mm" for k in bad.tolist()],
                 f"[node] diameter_mm = {settings.diameter_mm:g} is too small for beams "
-                f'{width:g} mm wide{_rolled(joints)}: at least {2 * needed:.1f} mm, or "auto"',
+                f'{width:g} mm wide{rolled(joints)}: at least {2 * needed:.1f} mm, or "auto"',
             )
         if misfit := size.misfit():
-            raise DetailError(misfit)
+            raise DetailError(f"{forced(arms, worst)}: {misfit}\ntake {size.remedy(joints)}")
         return size
 
     @classmethod
@@ -119,7 +121,7 @@ class Cylinder(NodeSize):
             return (
                 f"a seat at {self.seat:.2f} mm from the axis leaves {self.seat - self.bore:.2f} mm "
                 f"of {self.body} of diameter {2 * self.radius:g} mm; at least "
-                f"{LEAST_WALL:g} mm: take {self.remedy} or a larger diameter"
+                f"{LEAST_WALL:g} mm"
             )
         drilling = None if joints is None else joints.connection.drilling(joints.profile)
         if joints is not None and drilling is not None:
@@ -127,6 +129,10 @@ class Cylinder(NodeSize):
             if room < least - RADIUS_SLACK:
                 return f"{room:.1f} mm of {least:.1f} mm for the holes of {drilling.size}"
         return ""
+
+    def remedy(self, joints: Joints) -> str:
+        """What makes a given diameter do."""
+        return f"a narrower [beam] profile or {self._enough(joints)}"
 
     @staticmethod
     def _least(drilling: Drilling) -> float:
@@ -159,14 +165,16 @@ class Cylinder(NodeSize):
         return room, False
 
     def _enough(self, joints: Joints) -> str:
-        """What gives the holes of all arms enough room."""
+        """What gives the seats and holes of all arms enough room."""
         settings = joints.project.node
         series = sorted(settings.series_mm) or node_diameters(self.series)
+        bolt = _smaller(type(self), joints)
+        bolt = f" or {bolt}" if bolt else ""
         for diameter in series:
             size = self._of(diameter, self.needed, self.forced_by, joints)
             if diameter > 2.0 * self.radius and not size.misfit(joints):
-                return f"[node] diameter_mm = {diameter:g} or a smaller [connection] bolt"
-        return "a smaller [connection] bolt or a larger [node] series_mm"
+                return f"[node] diameter_mm = {diameter:g}{bolt}"
+        return f"a larger [node] series_mm{bolt}"
 
     def _room(self, joints: Joints, drilling: Drilling) -> Floats:
         """(A,) room [mm] for the hole of each arm, before those of its neighbours."""
@@ -224,7 +232,6 @@ class Tube(Cylinder):
     summary: ClassVar[str] = "circular hollow section, EN 10210-2"
     series: ClassVar[str] = "tube"
     body: ClassVar[str] = "the wall of a tube"
-    remedy: ClassVar[str] = "a thicker [node] wall_mm"
 
     @classmethod
     def joined_by(cls, connection: Connection, profile: Profile) -> type[NodeSize]:
@@ -279,12 +286,21 @@ class Tube(Cylinder):
             wall=joints.project.node.wall_mm,
         )  # fmt: skip
 
+    def remedy(self, joints: Joints) -> str:
+        """Another wall, or what does for a cylinder."""
+        if self.bore <= 0:
+            return f"[node] wall_mm = {math.floor(self.seat - LEAST_WALL)}, or a solid cylinder"
+        drilling = joints.connection.drilling(joints.profile)
+        behind = LEAST_WALL if drilling is None else max(LEAST_WALL, drilling.thread)
+        wall = math.ceil(self.radius - self.seat + behind)
+        return f"[node] wall_mm = {wall}, or {self._enough(joints)}"
+
     def misfit(self, joints: Joints | None = None) -> str:
         """Also where no bore is left."""
         if self.radius >= self.needed - RADIUS_SLACK and self.bore <= 0:
             return (
                 f"a tube of diameter {2 * self.radius:g} mm has no bore left with [node] wall_mm = "
-                f"{self.wall:g}: take a thinner wall or a solid cylinder"
+                f"{self.wall:g}"
             )
         drilling = None if joints is None else joints.connection.drilling(joints.profile)
         if drilling is not None and self.bore < drilling.reach + EDGE_OF_BORE:
@@ -292,30 +308,23 @@ class Tube(Cylinder):
         return super().misfit(joints)
 
 
-def _smaller(joints: Joints) -> str:
+def _smaller(kind: type[Cylinder], joints: Joints) -> str:
     """What helps beside a narrower profile where bolts make the seats wide, or need depth."""
-    return "" if joints.connection.drilling(joints.profile) is None else ", a smaller bolt"
-
-
-def _middle(joints: Joints) -> str:
-    """What helps beside a narrower profile where torsion rolls it about an edge off its middle."""
-    centered = -0.5 * sum(z_range(joints.profile))
-    if not joints.rolled:
+    drilling, node = joints.connection.drilling(joints.profile), joints.project.node
+    if drilling is None:
         return ""
-    if joints.project.beam.eccentricity_mm == centered:
-        return ""
-    return f", [beam] eccentricity_mm = {centered:g}"
-
-
-def _rolled(joints: Joints) -> str:
-    if not joints.rolled:
-        return ""
-    return f" at their ends ({joints.profile.name} rolled by torsion)"
-
-
-def _forced(arms: Arms, k: int) -> str:
-    other = int(arms.following()[k])
-    return (
-        f"node {node_mark(arms.node[k])} has beams {beam_mark(arms.edge[k])} and "
-        f"{beam_mark(arms.edge[other])} at {np.degrees(arms.gap[k]):.1f} deg"
-    )
+    given = node.diameter_mm
+    series = sorted(node.series_mm) or list(node_diameters(kind.series))
+    bare = arm_width(joints.frames, joints.profile, joints.project)
+    for size in reversed(fasteners()):
+        if size.diameter >= fastener(drilling.size).diameter:
+            continue
+        other = joints.connection.of_size(size)
+        width = max(bare, other.arm_width(joints.profile))
+        trial = replace(joints, connection=other, width=width)
+        needed = float(least_radii(joints.arms, width, node.arm_clearance_mm).max())
+        sizes = (kind._of(d, needed, 0, trial) for d in (series if given == "auto" else [given]))
+        if any(not found.misfit(trial) for found in sizes):
+            return f'[connection] bolt = "{size.size}"'
+    wall = " with a thicker [node] wall_mm" * (kind.series == "tube")
+    return f"a smaller [connection] bolt{wall}"
