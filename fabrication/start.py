@@ -5,6 +5,11 @@ from __future__ import annotations
 import os
 import sys
 
+from fabrication.processes import TOO_LITTLE, too_little
+
+LEAST_MB = 512
+"""Address space [MB] without which numpy and scipy cannot be loaded, and more than they take."""
+
 BAD_INPUT = 2
 """Exit code, as in `fabrication.cli.terminal`."""
 
@@ -12,8 +17,11 @@ BAD_INPUT = 2
 def main() -> None:
     """Run the console script `ddgfab`, also where only the geometry is installed."""
     _open_closed_streams()
+    _require_memory()
     try:
         from fabrication.cli import main as run
+
+        run()
     except ModuleNotFoundError as error:
         package = str(error.name).partition(".")[0]
         if package in ("ddgfab", "fabrication"):
@@ -23,7 +31,26 @@ def main() -> None:
             "pip install ddgfab with its dependencies\n"
         )
         raise SystemExit(BAD_INPUT) from None
-    run()
+    except Exception as error:
+        if not too_little(error):
+            raise
+        sys.stderr.write(f"error: {TOO_LITTLE}\n")
+        raise SystemExit(BAD_INPUT) from None
+
+
+def _require_memory() -> None:
+    """End where less memory is allowed than libraries of numbers need: they crash or hang then."""
+    try:
+        import resource
+    except ImportError:  # a system without such limits
+        return
+    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if 0 <= allowed < LEAST_MB << 20:
+        sys.stderr.write(
+            f"error: {allowed >> 20} MB of address space are allowed (ulimit -v); at least "
+            f"{LEAST_MB} are needed\n"
+        )
+        raise SystemExit(BAD_INPUT)
 
 
 def _open_closed_streams() -> None:

@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperGroup
 
 from fabrication.cli.steps import StepPrinter
+from fabrication.processes import TOO_LITTLE, too_little
 
 if TYPE_CHECKING:
     from fabrication.progress import Progress
@@ -101,7 +102,7 @@ def session(debug: bool, quiet: bool = False, verbose: bool = False) -> Iterator
 @contextmanager
 def errors(debug: bool, run: Session) -> Iterator[None]:
     """One clear message and the right exit code; a traceback only with --debug."""
-    from ddgfab.errors import DdgError
+    from ddgfab.errors import DdgError  # loads numpy: `start` has the errors of that
 
     ended = INTERRUPTED
 
@@ -142,6 +143,9 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
         raise typer.Exit(BAD_INPUT) from None
     except Exception as error:
         run.stop()
+        if not debug and too_little(error):
+            run.fail(f"error: {TOO_LITTLE}\nNothing was written. With --jobs 1 it takes less.")
+            raise typer.Exit(BAD_INPUT) from None
         if debug or (isinstance(error, OSError) and error.filename is None):  # see `output`
             raise
         run.fail(

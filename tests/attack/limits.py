@@ -50,7 +50,7 @@ LINES: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 """Lines of each command that end well; one that is not here runs without arguments."""
 
-MEGABYTES = (150, 6000)
+MEGABYTES = (300, 6000)
 """Address space, from less than it takes to import to more than anything takes."""
 
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)

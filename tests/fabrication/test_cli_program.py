@@ -48,6 +48,19 @@ def test_a_fault_of_the_program_has_its_own_exit_code(
     assert isinstance(shown.exception, fault)
 
 
+def test_too_little_memory_is_no_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*args: object) -> None:
+        raise MemoryError
+
+    write_obj(tmp_path / "roof.obj", canopy(panels_along=4, panels_across=3))
+    monkeypatch.setattr("ddgfab.measures.inspect", full)
+    result = CliRunner().invoke(app, ["inspect", str(tmp_path / "roof.obj")])
+    assert result.exit_code == 2
+    assert result.output.startswith(
+        "error: there is too little memory for this\nNothing was written"
+    )
+
+
 def test_a_package_that_is_missing_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
