@@ -12,7 +12,7 @@ from ddgfab.measures.faces import (
     planarity_percent,
     translation_defect,
 )
-from ddgfab.measures.kinds import kind_names, kind_words
+from ddgfab.measures.kinds import kind_names, kind_words, not_a_disk
 from ddgfab.measures.report import Measure, Report, inspect
 from ddgfab.measures.vertices import conical_defect, isothermic_defect, star_defect
 
@@ -30,6 +30,7 @@ __all__ = [
     "kind_words",
     "lean",
     "mixed_areas",
+    "not_a_disk",
     "oriented_areas",
     "planarity",
     "planarity_percent",

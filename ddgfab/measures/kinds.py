@@ -115,3 +115,18 @@ def _main_words(mesh: Mesh, names: tuple[str, ...]) -> str:
     if "equal-angle-sums" in names:
         return f"quad mesh with equal sums of opposite angles at faces and vertices, but {skew}"
     return f"general {'quad' if 'quad' in names else 'polygon'} mesh, {skew}"
+
+
+@checked
+def not_a_disk(mesh: Mesh) -> str:
+    """What keeps a mesh from being one piece with one boundary and no handles; empty for a disk."""
+    pieces = int(mesh.components.max()) + 1
+    if pieces > 1:
+        return f"{pieces} pieces; one is needed"
+    euler = int((mesh.valences > 0).sum()) - mesh.n_edges + mesh.n_faces
+    if len(mesh.boundary_loops) != 1 or euler != 1:
+        return (
+            f"{len(mesh.boundary_loops)} rims, Euler characteristic {euler}; a disk with one rim "
+            "is needed: cut it open, or fill its holes"
+        )
+    return ""

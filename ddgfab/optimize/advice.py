@@ -7,8 +7,16 @@ from typing import Final
 
 import numpy as np
 
+from ddgfab.measures import not_a_disk
 from ddgfab.mesh import Floats
-from ddgfab.optimize.directions import DIAGONALS, DIAGONALS_REASON, TRACE, TRACE_REASON, other_way
+from ddgfab.optimize.directions import (
+    DIAGONALS,
+    DIAGONALS_REASON,
+    TRACE,
+    TRACE_REASON,
+    accepted,
+    other_way,
+)
 from ddgfab.optimize.energy import Keep, Weights
 from ddgfab.optimize.forecast import doubtful, forecast_text
 from ddgfab.optimize.frame import Frame
@@ -24,6 +32,10 @@ _CLOSEST: Final = 0.1
 """What to keep where "close" is too far from the surface: shorter waves crease as well."""
 _HELD: Final = 0.8
 """A mesh that moved by more than this part of the limit of movement is held back by it."""
+_ACCEPT: Final = (
+    "edges like these crease or flatten faces near this surface, and only a mesh of one piece with "
+    "one boundary can be traced anew (ddgfab optimize --retrace): cut it open, or accept this"
+)
 SOFTER: Final = "equal_weight"
 """Name of the advice to wish less for equal pieces."""
 _CREASED_DEG: Final = 20.0
@@ -76,8 +88,8 @@ def advice_of(
     if not met and easier is not None:
         return (easier,)
     if not met:
-        best = min((p.percent for p in result.prices), default=0.0)
-        return (("flat", float(f"{1.1 * best:.2g}")),) if best else ()
+        folded = "folded" in limits.kinds(result.change)
+        return other_way(result, keep, limits) or (() if folded else _flatter(result))
     if limits.kinds(result.change) == {"pane"}:
         size = np.multiply(limits.pane or (), misfit(result.mesh, limits.pane or (1, 1)).max())
         return (("max_pane", tuple(float(f"{1.01 * v:.3g}") for v in size)),)
@@ -93,6 +105,8 @@ def advice_of(
     fair = [Weights.of(small, k).fair for k in (keep, _CLOSEST)]
     if fair[1] < 0.5 * fair[0]:
         return (("keep", _CLOSEST),)
+    if not limits.kinds(result.change):  # reflex corners that the goal does not allow
+        return ()
     edge = result.change.edge
     finest = result.prices[-1] if result.prices else None
     for price in reversed(result.prices):
@@ -102,12 +116,13 @@ def advice_of(
         nearer = finest is not None and price.distance_max < 0.9 * finest.distance_max
         if near and nearer and price.percent < 5:
             return (("flat", float(f"{1.05 * price.percent:.2g}")),)
-    change = result.change
-    needed = (
-        max(limits.distance_mean, float(f"{1.05 * change.distance_mean / edge:.2g}")),
-        max(limits.distance_max, float(f"{1.05 * change.distance_max / edge:.2g}")),
-    )
-    return (("distance_limit", needed),)
+    return accepted(result, limits)
+
+
+def _flatter(result: OptimizeResult) -> tuple[tuple[str, object], ...]:
+    """As flat as faces have become, and half as much to spare."""
+    best = min((price.percent for price in result.prices), default=0.0)
+    return (("flat", float(f"{1.5 * best:.2g}")),) if best else ()
 
 
 def remarks_of(result: OptimizeResult) -> tuple[str, ...]:
@@ -126,7 +141,9 @@ def remarks_of(result: OptimizeResult) -> tuple[str, ...]:
             "look at the picture"
         )
     if result.forecast is not None and doubtful(result.forecast):
-        out.append(forecast_text(result.forecast, "mm").removeprefix("planar faces: "))
+        disk = not not_a_disk(result.original)
+        told = forecast_text(result.forecast, "mm", traceable=disk)
+        out.append(told.removeprefix("planar faces: "))
     return tuple(out)
 
 
@@ -154,8 +171,7 @@ def advice_text(advice: tuple[tuple[str, object], ...]) -> str:
     reason = {
         "boundary": "the fixed boundary holds it back",
         "flat": "ask for less flat faces",
-        "keep": "trace a net along conjugate directions (ddgfab optimize --retrace), or keep faces "
-        "smooth rather than the surface"
+        "keep": "keep faces smooth rather than the surface"
         if value == "fair"
         else "keep the surface rather than smooth faces",
         "max_pane": "give a finer mesh, or allow larger panes",
@@ -165,12 +181,13 @@ def advice_text(advice: tuple[tuple[str, object], ...]) -> str:
         "max_lean": "let the node axes lean further",
         "max_movement": "let vertices move further",
         "distance_limit": "let the edges follow other directions, use a finer mesh, or allow it",
+        **dict.fromkeys(("rise_limit", "zigzag_limit", "stretch_limit"), _ACCEPT),
     }.get(name, "try")
     if name == DIAGONALS:
         return reason
     if name == TRACE:
         return f"{reason}, spacing = {value:g}"
-    if name == "max_lean" and isinstance(value, float):
-        return f"{reason}: max_lean = {np.degrees(value):.3g} deg"
+    if name in ("max_lean", "zigzag_limit") and isinstance(value, float):
+        return f"{reason}: {name} = {np.degrees(value):.3g} deg"
     shown = f'"{value}"' if isinstance(value, str) else value
     return f"{reason}: {name} = {shown}"

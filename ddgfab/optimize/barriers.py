@@ -35,8 +35,12 @@ _FOLD_LOW, _FOLD_HIGH = 0.1, 0.6
 """Bounds of the cosine of the angle between neighbouring face normals."""
 _SLACK: Final = np.radians(10.0)
 """What is beyond its bounds in the input may become worse by this angle [rad]."""
-_CONVEX: Final = 0.02
-"""Corners whose measure is above this are convex, and stay so, however near to straight."""
+_STRAIGHT: Final = 1e-5
+"""Corners whose measure is further than this from that of a straight angle [sine] stay on their
+side of it."""
+_LEAST_ROOM: Final = 0.01
+"""Rows that are beyond their bounds may lose as much of their measure, at least; half of that is
+the least distance between their bounds."""
 
 _QUAD_RANGE, _LARGE_RANGE = np.radians((90.0, 90.0)), np.radians((120.0, 110.0))
 """Middle of the range of corner angles and half its width [rad]: quads and triangles 0 to 180
@@ -214,14 +218,14 @@ class Folds(RowBarrier):
 def _widened(measure: Floats, low: float, high: float, least: float | None) -> tuple[Floats, ...]:
     """Bounds that rows with these first measures fulfil.
 
-    least : convex rows are not widened beyond it; None for rows without such a limit
+    least : rows above it are not widened beyond it; None for rows without such a limit
     """
     angle = np.arccos(np.clip(measure, -1.0, 1.0))
     lowest = np.minimum(low, np.cos(np.minimum(angle + _SLACK, np.pi)))
+    lowest = np.minimum(lowest, measure - _LEAST_ROOM)  # measure -1: turned inside out already
     if least is not None:
-        lowest = np.where(measure > least + _CONVEX, np.maximum(lowest, least), lowest)
-    lowest = np.minimum(lowest, measure - _CONVEX / 2)  # measure -1: turned inside out already
-    return lowest, np.minimum(np.maximum(high, lowest + _CONVEX / 4), measure)
+        lowest = np.where(measure > least + _STRAIGHT, np.maximum(lowest, least), lowest)
+    return lowest, np.minimum(np.maximum(high, lowest + _LEAST_ROOM / 2), measure)
 
 
 def corner_barriers(mesh: Mesh) -> tuple[Corners, ...]:

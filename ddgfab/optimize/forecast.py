@@ -65,12 +65,19 @@ def forecast_of(problem: Problem, unit: float, normals: Floats) -> Forecast:
 
 
 @checked
-def forecast_text(forecast: Forecast, unit: str = "mm", diagonals: Forecast | None = None) -> str:
+def forecast_text(
+    forecast: Forecast,
+    unit: str = "mm",
+    diagonals: Forecast | None = None,
+    *,
+    traceable: bool = True,
+) -> str:
     """The forecast as one sentence.
 
     Parameters
     ----------
     diagonals : the forecast of the net of diagonals, where that is better
+    traceable : whether a net can be traced on the surface: on one piece with one boundary
     """
     distance = f"about {forecast.distance_mean:.3g} {unit} from the surface on average"
     edges = f"{forecast.distance_mean / forecast.unit:.2g} mean edges"
@@ -82,6 +89,8 @@ def forecast_text(forecast: Forecast, unit: str = "mm", diagonals: Forecast | No
             f"{distance} ({edges})"
         )
     other = "a traced net follows them (ddgfab optimize --retrace)"
+    if not traceable:
+        other = "a traced net follows them, on pieces cut open to one boundary each"
     if diagonals is not None:
         other = (
             f"their diagonals do, with about {diagonals.distance_mean:.3g} {unit} (ddgfab optimize "

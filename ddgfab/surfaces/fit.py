@@ -16,6 +16,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 
 from ddgfab.arguments import checked
 from ddgfab.errors import DegenerateError, MeshError
+from ddgfab.measures import not_a_disk
 from ddgfab.mesh import Floats, Mesh
 from ddgfab.surfaces.spline import SplineSurface
 from ddgfab.symmetric import factored
@@ -83,14 +84,8 @@ def fit_mesh(mesh: Mesh, *, smooth: float = _NEAREST, name: str = "mesh") -> Fit
     DegenerateError
         A residual above 1 % of the size.
     """
-    if int(mesh.components.max()) > 0:
-        raise MeshError(f"{name}: {int(mesh.components.max()) + 1} pieces; one is needed")
-    euler = int((mesh.valences > 0).sum()) - mesh.n_edges + mesh.n_faces
-    if len(mesh.boundary_loops) != 1 or euler != 1:
-        raise MeshError(
-            f"{name}: {len(mesh.boundary_loops)} rims, Euler characteristic {euler}; a disk with "
-            "one rim is needed: cut it open, or fill its holes"
-        )
+    if reason := not_a_disk(mesh):
+        raise MeshError(f"{name}: {reason}")
     used = np.flatnonzero(mesh.valences > 0)
     points = mesh.vertices[used]
     if len(points) < 2 * _DEGREE**2:

@@ -11,8 +11,9 @@ from fabrication.cli.common import Reading
 from fabrication.cli.terminal import Session
 
 if TYPE_CHECKING:
-    from ddgfab.errors import OptimizeError
-    from ddgfab.mesh import Floats
+    from ddgfab.errors import DdgError, OptimizeError
+    from ddgfab.mesh import Floats, Mesh
+    from fabrication.progress import Progress
 
 PLANAR: Final = "planar"
 """The goal by default."""
@@ -29,9 +30,16 @@ def write_missed(
     """Print what failed and what to try, and write the best mesh reached beside the target."""
     from ddgfab.io import write_mesh
     from ddgfab.optimize import OptimizeResult
-    from ddgfab.optimize.directions import TRACE
+    from ddgfab.optimize.directions import TRACE, TRACE_REASON
 
-    run.fail(f"FAILED {error}")
+    advice = getattr(error.result, "advice", ())
+    traced_again = bool(advice) and advice[0][0] == TRACE and command.anew
+    lines = [
+        line
+        for line in str(error).splitlines()
+        if not (traced_again and line.startswith(TRACE_REASON))
+    ]
+    run.fail("FAILED " + "\n".join(lines))
     if not isinstance(error.result, OptimizeResult):  # refused before solving
         run.fail(f"{target} was not written")
         return
@@ -39,13 +47,19 @@ def write_missed(
     mesh = error.result.mesh
     write_mesh(best, mesh.with_vertices(mesh.vertices + origin), units="mm")
     run.fail(f"the best mesh reached: {best} [mm]; {target} was not written")
-    if error.result.advice:
-        name, value = error.result.advice[0]
-        if name == TRACE:
-            run.fail(f"next: {command.traced(value)}")
-            return
-        changed = dict(_setting(name, value) for name, value in error.result.advice)
-        run.fail(f"next: {command.text(changed)}")
+    if not advice:
+        if command.anew:
+            net = command.traced(float(f"{error.result.change.edge:.3g}"))
+            run.fail(f"trace nets of other spacings and look at them: {net}")
+        return
+    changed = dict(_setting(*one) for one in advice if one[0] != TRACE)
+    by_net = command.traced(advice[0][1]) if advice[0][0] == TRACE else ""
+    if by_net and not (traced_again and changed):
+        run.fail(f"next: {by_net}")
+        return
+    if by_net:
+        run.fail(f"accept the traced net, or trace one and look at it: {by_net}")
+    run.fail(f"next: {command.text(changed)}")
 
 
 _KEYS: Final = {
@@ -53,15 +67,41 @@ _KEYS: Final = {
     "distance_limit": "distance_limit_edges",
     "max_pane": "max_pane_mm",
     "max_movement": "max_movement_mm",
+    "max_lean": "max_lean_deg",
+    "zigzag_limit": "zigzag_limit_deg",
+    "rise_limit": "rise_limit_percent",
+    "stretch_limit": "stretch_limit_percent",
 }
 """Keys of [optimize] for options of `ddgfab.optimize.optimize` with other names."""
 
 
 def _setting(name: str, value: object) -> tuple[str, object]:
     """Key and value in [optimize] for an option of `ddgfab.optimize.optimize`."""
-    if name == "max_lean" and isinstance(value, float):
-        return "max_lean_deg", float(f"{math.degrees(value):.4g}")
-    return _KEYS.get(name, name), value
+    key = _KEYS.get(name, name)
+    if isinstance(value, float) and key.endswith(("_deg", "_percent")) and key != "flat_percent":
+        value = float(f"{math.degrees(value) if key.endswith('_deg') else 100 * value:.4g}")
+    return key, value
+
+
+def untraceable(error: DdgError, mesh: Mesh, command: Command, progress: Progress) -> DdgError:
+    """The error of a mesh that cannot be traced anew, with the command that keeps its own edges.
+
+    It accepts what a run on them is like: other edges are not to be had.
+    """
+    from ddgfab.errors import OptimizeError
+    from ddgfab.optimize.directions import TRACE
+    from fabrication.gridshell.load import make_project
+    from fabrication.gridshell.optimized import optimized_mesh
+
+    changed: dict[str, object] = {}
+    try:
+        optimized_mesh(mesh, make_project({"optimize": command.settings}).optimize, progress)
+    except OptimizeError as missed:
+        advice = getattr(missed.result, "advice", ())
+        changed = dict(_setting(*one) for one in advice if one[0] != TRACE)
+        if not changed:
+            return type(error)(f"{error}\non its own edges the mesh is missed as well: {missed}")
+    return type(error)(f"{error}\nor keep its own edges\nnext: {command.text(changed)}")
 
 
 _OPTIONS: Final = {
@@ -92,7 +132,7 @@ class Command:
         self.begin = ["ddgfab", "optimize", str(source)]
         if output is not None:
             self.begin += ["-o", str(output)]
-        self.source = source
+        self.source, self.reading = source, reading
         self.placed = Reading(reading.units, reading.scale).arguments()
         self.begin += reading.arguments()
         self.anew = anew

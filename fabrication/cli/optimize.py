@@ -24,7 +24,7 @@ from fabrication.cli.common import (
     Weld,
     app,
 )
-from fabrication.cli.missed import PLANAR, Command, stem, write_missed
+from fabrication.cli.missed import PLANAR, Command, stem, untraceable, write_missed
 from fabrication.cli.terminal import FAILED, Session, session
 
 if TYPE_CHECKING:
@@ -146,16 +146,17 @@ def optimize_command(
             equal_panels=equal_panels,
         )
         given = {"goal": PLANAR, **sections.get("optimize", {})}
+        reading = reading_with(Reading(units, scale, up, flip, quads, weld), sections)
+        own = Command(source, output, reading, given, anew=False)
         if anew:  # the net follows the surface already
             given = {"keep": "close", **given}
             _refuse_named(surface, fix, bool(given.get("diagonals")))
         settings = make_project({"optimize": given}).optimize
         target = output or Path(f"{stem(source)}-{settings.goal}.obj")
         check_target(target)
-        reading = reading_with(Reading(units, scale, up, flip, quads, weld), sections)
         _describe(run, settings)
-        start = _start(run, source, reading, surface, anew=anew)
-        missed = Command(source, output, reading, given, anew=anew)
+        start = _start(run, own, surface, anew=anew)
+        missed = Command(source, output, own.reading, given, anew=anew)
         result = _optimized(run, start, settings, missed, target, debug=debug)
         _write(run, target, start, result, picture=picture, as_json=as_json)
 
@@ -170,20 +171,25 @@ class _Start:
     traced: Retraced | None = None
 
 
-def _start(
-    run: Session, source: Path, reading: Reading, surface: Path | None, *, anew: bool
-) -> _Start:
-    """The mesh of a file with the surface that it is to stay near to, traced anew if asked for."""
-    read = reading.read(source)
+def _start(run: Session, own: Command, surface: Path | None, *, anew: bool) -> _Start:
+    """The mesh of a file with the surface that it is to stay near to, traced anew if asked for.
+
+    own : the command on the mesh's own edges
+    """
+    read = own.reading.read(own.source)
     if anew:
+        from ddgfab.errors import DegenerateError, InputError
         from ddgfab.redesign.retrace import retrace
 
         run.progress("retrace", 0, 0)
-        traced = retrace(read.mesh, name=source.name)
+        try:
+            traced = retrace(read.mesh, name=own.source.name)
+        except (InputError, DegenerateError) as error:
+            raise untraceable(error, read.mesh, own, run.progress) from None
         return _Start(read, traced.mesh, traced.reference, traced)
     if surface is None:
         return _Start(read, read.mesh, None)
-    near = reading.read(surface)
+    near = own.reading.read(surface)
     return _Start(read, read.mesh, near.mesh.with_vertices(near.in_place.vertices - read.origin))
 
 

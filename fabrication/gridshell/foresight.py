@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from ddgfab.errors import DegenerateError
+from ddgfab.measures import not_a_disk
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import Forecast, better_diagonals, doubtful, expected, forecast_text
 
@@ -34,7 +35,8 @@ def foreseen_text(mesh: Mesh) -> str:
 
 def _text(mesh: Mesh, forecast: Forecast) -> str:
     """The sentence, with the net of diagonals where that is better."""
-    return forecast_text(forecast, "mm", better_diagonals(mesh) if doubtful(forecast) else None)
+    diagonals = better_diagonals(mesh) if doubtful(forecast) else None
+    return forecast_text(forecast, "mm", diagonals, traceable=not not_a_disk(mesh))
 
 
 def diagonals_are_better(mesh: Mesh) -> bool:

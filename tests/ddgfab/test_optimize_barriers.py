@@ -86,6 +86,18 @@ def test_sharp_and_reflex_corners_of_the_input_are_possible_starts() -> None:
             assert (barrier.low < barrier.high).all()
 
 
+@pytest.mark.parametrize("bend", [0.2, 0.01, 1e-4])
+def test_corners_of_quads_that_are_nearly_straight_do_not_become_reflex(bend: float) -> None:
+    def quad(height: float) -> Mesh:
+        return Mesh.build([[0, 0, 0], [2, 0, 0], [1, height, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+
+    mesh = quad(0.5 + bend)  # straight at 0.5
+    (corners,) = corner_barriers(mesh)
+    assert corners.value(mesh.vertices.ravel()) == 0
+    assert 0 < corners.value(quad(0.5 + bend / 100).vertices.ravel()) < np.inf
+    assert np.isinf(corners.value(quad(0.5 - bend / 100).vertices.ravel()))
+
+
 def test_infinite_before_a_quad_is_reflex_an_edge_collapses_or_a_face_folds() -> None:
     flat = grid_mesh(
         np.stack([*np.meshgrid(*2 * [np.arange(3.0)], indexing="ij"), np.zeros((3, 3))], -1)

@@ -12,13 +12,15 @@ from ddgfab.errors import OptimizeError
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import (
+    Limits,
     OptimizeResult,
     better_diagonals,
     expected,
     mean_edge,
     optimize,
 )
-from ddgfab.optimize.directions import TRACE
+from ddgfab.optimize.advice import advice_text
+from ddgfab.optimize.directions import TRACE, accepted, other_way
 from ddgfab.optimize.forecast import HARMLESS, doubtful, forecast_text
 
 
@@ -87,6 +89,37 @@ def test_where_only_another_net_helps_a_trace_is_advised() -> None:
     result, options = followed(mesh)
     assert result.status == "missed"
     assert options[TRACE] == pytest.approx(mean_edge(mesh), rel=0.01)
+
+
+@pytest.mark.parametrize("shape", ["tube", "pieces"])
+def test_where_no_net_can_be_traced_the_result_is_accepted_as_it_is(shape: str) -> None:
+    """A net is traced anew on a disk alone: the last advice names limits, and they are kept."""
+    flat = roof(10, 8, 1.2)
+    u, v, height = flat.vertices.reshape(11, 9, 3)[:10].transpose(2, 0, 1)
+    turn, far = 2 * np.pi * u / 10, 2 + 0.4 * height
+    mesh = grid_mesh(np.stack([far * np.cos(turn), far * np.sin(turn), v], -1), (True, False))
+    if shape == "pieces":
+        faces = [*flat.faces, *(face + flat.n_vertices for face in flat.faces)]
+        shift = np.array([40.0, 0, 0])
+        mesh = Mesh.build(np.concatenate([flat.vertices, flat.vertices + shift]), faces)
+    first = optimize(mesh, "conical", distance_limit=(0.01, 0.02), throw=False)
+    limits = Limits(distance_mean=0.01, distance_max=0.02)
+    found = accepted(first, limits)
+    assert found
+    assert not {TRACE, "diagonals"} & set(dict(other_way(first, "fair", limits)))
+    again = optimize(mesh, "conical", **{"distance_limit": (0.01, 0.02), **dict(found)})  # type: ignore[arg-type]
+    assert again.status == "converged"
+    assert "one boundary" in advice_text((("zigzag_limit", 0.1),))
+
+
+def test_folded_faces_are_never_accepted() -> None:
+    mesh = dome(6)
+    result = optimize(mesh)
+    points = mesh.vertices.copy()
+    points[24] += 3.0 * (points[25] - points[24])  # beyond its neighbour
+    folded = replace(result, mesh=mesh.with_vertices(points))
+    assert "folded" in Limits().kinds(folded.change)
+    assert accepted(folded, Limits()) == ()
 
 
 def test_after_close_an_even_closer_number_is_advised() -> None:

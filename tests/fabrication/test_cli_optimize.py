@@ -269,3 +269,21 @@ def test_wishes_for_equal_edges_tell_their_price(roof: Path, tmp_path: Path) -> 
     code, said = run("optimize", roof, "--goal", "families", "--equal-edges", "1")
     assert code == 2
     assert 'equal_edges is for goal = "planar"' in said
+
+
+def test_meshes_that_cannot_be_traced_anew_name_the_command_on_their_own_edges(
+    tmp_path: Path,
+) -> None:
+    source = tmp_path / "two.obj"
+    one = skew()
+    apart = one.vertices + np.array([20 * EDGE_MM, 0, 0])
+    faces = [*one.faces, *(face + one.n_vertices for face in one.faces)]
+    write_mesh(source, Mesh.build(np.concatenate([one.vertices, apart]), faces), units="mm")
+    code, text = run("optimize", source, "-o", tmp_path / "out.obj", "--retrace")
+    assert code != 0
+    assert "2 pieces; one is needed" in text
+    (command,) = [line for line in text.splitlines() if line.startswith("next: ")]
+    assert "--retrace" not in command
+    assert not list(tmp_path.glob("out*"))
+    code, text = run(*shlex.split(command)[2:], "--no-picture")
+    assert code == 0, text
