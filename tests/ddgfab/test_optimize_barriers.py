@@ -86,7 +86,7 @@ def test_sharp_and_reflex_corners_of_the_input_are_possible_starts() -> None:
             assert (barrier.low < barrier.high).all()
 
 
-@pytest.mark.parametrize("bend", [0.2, 0.01, 1e-4])
+@pytest.mark.parametrize("bend", [0.01, 1e-4])
 def test_corners_of_quads_that_are_nearly_straight_do_not_become_reflex(bend: float) -> None:
     def quad(height: float) -> Mesh:
         return Mesh.build([[0, 0, 0], [2, 0, 0], [1, height, 0], [0, 1, 0]], [[0, 1, 2, 3]])
