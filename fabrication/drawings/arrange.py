@@ -149,7 +149,7 @@ def _grid(scale: float, views: Sequence[PlacedView]) -> Arranged:
     anchors = [_anchor(view) for view in views]
     boxes = []
     for view, (ax, ay) in zip(views, anchors, strict=True):
-        (x0, y0), (x1, y1) = view.extent()
+        (x0, y0), (x1, y1) = view.whole
         boxes.append((view.view, x0 - ax, y0 - ay, x1 - ax, y1 - ay))
     x_of: dict[int, float] = {}
     x = 0.0

@@ -128,7 +128,7 @@ def part_sheets(
         outlines += [item.moved(x, y) for item in view.outlines]
         items += [item.moved(x, y) for item in view.items]
         dimensions += [dimension.moved(x, y) for dimension in view.dimensions]
-        (x0, y0), (x1, y1) = view.extent()
+        (x0, y0), (x1, y1) = view.whole
         placed.append(Placed(view.view.title, view.scale, (x0 + x, y0 + y), (x1 + x, y1 + y)))
     first = Sheet(
         subject, subject, paper, tuple(items), tuple(dimensions), tuple(placed), tuple(outlines)

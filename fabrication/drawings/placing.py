@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, NamedTuple
 
 from ddgfab.mesh import Floats
@@ -220,8 +221,13 @@ class PlacedView:
         )
         self.items.append(text)
 
+    @cached_property
+    def whole(self) -> tuple[Point, Point]:
+        """The rectangle round everything that is drawn, when nothing more is added."""
+        return self.extent()
+
     def extent(self) -> tuple[Point, Point]:
-        """The rectangle round everything that is drawn."""
+        """The rectangle round everything that is drawn so far."""
         drawn = [*self.outlines, *self.items]
         drawn += [item for dimension in self.dimensions for item in dimension.parts()]
         points = [point for item in drawn for point in item.extent()] or [(0.0, 0.0)]

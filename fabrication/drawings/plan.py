@@ -91,6 +91,7 @@ class _View:
     symbols: tuple[Symbol, ...]
     centers: Floats
     ways: Floats
+    axes: Floats
 
     @property
     def low(self) -> Floats:
@@ -144,7 +145,7 @@ def _views(symbols: Sequence[Symbol]) -> Iterator[_View]:
         chosen = tuple(symbols[i] for i in own)
         centers = np.array([symbol.center for symbol in chosen]) @ axes.T
         ways = np.array([_way(symbol) for symbol in chosen]) @ axes.T
-        yield _View(title, lines, chosen, centers, ways)
+        yield _View(title, lines, chosen, centers, ways, axes)
 
 
 def _way(symbol: Symbol) -> Floats:
@@ -156,18 +157,13 @@ def _way(symbol: Symbol) -> Floats:
 
 def _labelled(view: _View) -> tuple[float, list[Text]]:
     """The scale, and the labels on paper, from the origin of the projection."""
-    long = np.linalg.norm(view.ways, axis=1)
-    wide = np.array([text_width(symbol.label, LEAST) for symbol in view.symbols])
-    bars = long > 1e-6
-    enough = 0.0
-    if bars.any():
-        enough = float(np.percentile((wide[bars] + 2.0) / long[bars], 90.0))
+    enough = [_least(view, k) for k in range(len(view.symbols))]
     largest = max(float(view.size.max()), 1e-9)
-    first = max(enough, 0.3 * A3.width / largest)
+    first = max(float(np.percentile(enough, 90.0)), 0.3 * A3.width / largest)
     scales = [scale for scale in reversed(SCALES) if scale >= first * 0.999] or [SCALES[0]]
     best: tuple[int, float, list[Text]] | None = None
     for scale in scales[:TRIES]:
-        labels, crowded = _labels(view, scale)
+        labels, crowded = _labels(view, scale, math.inf if best is None else best[0])
         if best is None or crowded < best[0]:
             best = (crowded, scale, labels)
         if not crowded:
@@ -176,8 +172,23 @@ def _labelled(view: _View) -> tuple[float, list[Text]]:
     return best[1], best[2]
 
 
-def _labels(view: _View, scale: float) -> tuple[list[Text], int]:
-    """Labels at a scale, and how many of them lie on something."""
+def _least(view: _View, index: int) -> float:
+    """The scale at which a label is no longer than its bar, or no larger than its pane."""
+    symbol = view.symbols[index]
+    wide = text_width(symbol.label, LEAST)
+    if symbol.form == "bar":
+        long = math.hypot(*view.ways[index].tolist())
+        return (wide + 2.0) / long if long > 1e-6 else 0.0
+    if symbol.form != "sheet":
+        return 0.0
+    across: float
+    up: float
+    across, up = np.ptp(symbol.lines.reshape(-1, 3) @ view.axes.T, axis=0).tolist()
+    return max((wide + 2.0) / max(across, 1e-6), 2.0 * LEAST / max(up, 1e-6))
+
+
+def _labels(view: _View, scale: float, most: float) -> tuple[list[Text], int]:
+    """Labels at a scale, and how many of them lie on something; stops where those are too many."""
     room = Room()
     ends = (view.lines * scale).tolist()
     room.add_lines([((a, b), (c, d)) for (a, b), (c, d) in ends if (a, b) != (c, d)])
@@ -196,6 +207,8 @@ def _labels(view: _View, scale: float) -> tuple[list[Text], int]:
                 break
         assert best is not None
         crowded += least >= ON_LINE
+        if crowded >= most:
+            break
         room.add_text(best)
         labels.append(best)
     return labels, crowded
@@ -208,7 +221,7 @@ def _places(symbol: Symbol, x: float, y: float, way: list[float]) -> Iterator[tu
         angle = readable(math.atan2(way[1], way[0]))
         c, s = math.cos(angle), math.sin(angle)
         long = math.hypot(*way)
-        for shift in (0.0, 0.1, -0.1, 0.2, -0.2):
+        for shift in (0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3):
             for lift in (OFF + BELOW * LEAST, -OFF - LEAST):
                 at = (x + shift * long * c - lift * s, y + shift * long * s + lift * c)
                 yield Text(at, label, LEAST, "center", angle), abs(shift)

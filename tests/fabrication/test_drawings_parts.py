@@ -65,7 +65,7 @@ def written(dimension: Dimension) -> float:
 
 
 def check_sheets(whole: Whole) -> None:
-    """Every second sheet is legible, and its numbers are those of the drawing and of the schedule."""
+    """Every second sheet is legible; its numbers are those of drawing and schedule."""
     tables = whole.tables or {}
     rows = {
         row["number"]: row

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -21,9 +21,6 @@ BOUGHT: Final = "IfcMechanicalFastener"
 """Class of what is bought and needs no sheet."""
 
 DOCUMENT: Final = "Part drawing"
-
-MOST_NUMBERS: Final = 100
-"""No part has so many sides or arms."""
 
 
 def is_drawn(family: Family) -> bool:
@@ -67,12 +64,12 @@ def sheets_of(
     order : its row in the parts list
     failed : marks of pieces that must not be made
     """
-    shape = part.shape
-    drawing = shape.drawing(alike(rows)) if isinstance(shape, Drawn) else overall_drawing(part.mesh)
+    shape, shared = part.shape, alike(rows)
+    drawing = shape.drawing(shared) if isinstance(shape, Drawn) else overall_drawing(part.mesh)
     marks = [instance.mark for instance in part.family.instances]
     good = [mark for mark in marks if mark not in failed]
     bad = [mark for mark in marks if mark in failed]
-    extra: list[List | Paragraph] = [*lists_of(drawing.columns, rows)]
+    extra: list[List | Paragraph] = [*lists_of(drawing.columns, rows, shared)]
     if good:
         extra.append(Paragraph(f"Piece marks ({len(good)})", " ".join(good)))
     if bad:
@@ -115,23 +112,26 @@ def alike(rows: Sequence[Row]) -> dict[str, Any]:
     first, *others = rows or ({},)
     found = {}
     for name, value in first.items():
-        text = cell(value, name)
-        if text and all(cell(row.get(name), name) == text for row in others):
+        if value is None or value == "":
+            continue
+        text = cell(value, name) if others else ""
+        if all(cell(row.get(name), name) == text for row in others):
             found[name] = value
     return found
 
 
-def lists_of(columns: Sequence[str], rows: Sequence[Row]) -> Iterator[List]:
+def lists_of(columns: Sequence[str], rows: Sequence[Row], shared: Row) -> Iterator[List]:
     """Columns of a schedule: what all pieces share, by number where it has one; the rest by piece.
 
     Parameters
     ----------
     columns : names, with {k} for a number
+    shared : what `alike` finds of the rows
     """
     if not rows:
         return
-    shared = alike(rows)
-    numbers = {name: _numbers(name, rows) for name in columns}
+    have = {key for row in rows for key, value in row.items() if value is not None}
+    numbers = {name: _numbers(name, have) for name in columns}
     single = [n for n in columns if NUMBER not in n and n in shared]
     if single:
         yield _data([(heading(name), cell(shared[name], name)) for name in single])
@@ -155,7 +155,7 @@ def lists_of(columns: Sequence[str], rows: Sequence[Row]) -> Iterator[List]:
         for name in columns
         if name not in several and name not in single
         for key in ([name.format(k=k) for k in numbers[name]] if NUMBER in name else [name])
-        if any(_filled(row, key) for row in rows)
+        if key in have
     ]
     if varied:
         yield List(
@@ -180,22 +180,22 @@ def _data(values: Sequence[tuple[str, str]]) -> List:
     )
 
 
-def _numbers(name: str, rows: Sequence[Row]) -> list[int]:
-    """The numbers for which a column has values."""
+def _numbers(name: str, have: set[str]) -> list[int]:
+    """The numbers for which a column has values, from 1 on."""
     if NUMBER not in name:
         return []
-    return [
-        k for k in range(1, MOST_NUMBERS) if any(_filled(row, name.format(k=k)) for row in rows)
-    ]
+    before, after = name.split(NUMBER)
+    found = []
+    for key in have:
+        middle = key[len(before) : len(key) - len(after)]
+        if key.startswith(before) and key.endswith(after) and middle.isdecimal():
+            found.append(int(middle))
+    return sorted(found)
 
 
 def _plain(name: str) -> str:
     """A numbered column's name without the number."""
     return re.sub(r"_?\{k\}", "", name)
-
-
-def _filled(row: Mapping[str, Any], key: str) -> bool:
-    return row.get(key) is not None
 
 
 def cell(value: Any, column: str) -> str:
