@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol, runtime_checkable
@@ -32,6 +33,8 @@ class Plate:
     other : of the other face where its outline is another one (bevelled sides)
     count : how many of them the part is made of
     rest : volume [mm3] of the part that is not theirs
+    up : direction of the part's z axis in the plane of the outlines, which is outwards for beams;
+        None where it is another one
     """
 
     thickness: float
@@ -39,6 +42,7 @@ class Plate:
     other: tuple[Loop, ...] = ()
     count: int = 1
     rest: float = 0.0
+    up: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, order=True)
@@ -83,7 +87,9 @@ def plate(boundary: Boundary, *, bevelled: bool = False) -> Plate | None:
     swept = prism(boundary, "shortest")
     if swept is not None and swept.low.straight and swept.high.straight:
         width = float(np.ptp(swept.loops[0].points, axis=0).min())
-        return Plate(swept.length, swept.loops) if swept.length < FLAT * width else None
+        u, v = (float(swept.frame[2, k]) for k in (0, 1))
+        up = (u, v) if math.hypot(u, v) > 1.0 - 1e-9 else None
+        return Plate(swept.length, swept.loops, up=up) if swept.length < FLAT * width else None
     return _bevelled(boundary) if bevelled else None
 
 

@@ -62,7 +62,8 @@ def drawn(path: Path) -> tuple[Any, dict[str, list[np.ndarray]]]:
     for entity in document.modelspace():
         flat = ezdxf.path.make_path(entity).flattening(1e-4)
         outlines.setdefault(entity.dxf.layer, []).append(np.array([[p.x, p.y] for p in flat]))
-        assert entity.is_closed
+        assert entity.is_closed == (entity.dxf.layer in ("CUT", "DETAIL"))
+        assert entity.dxftype() in ("LWPOLYLINE", "POLYLINE")  # never TEXT
     return document, outlines
 
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from ddgfab.errors import DdgError, InputError, clipped
 from fabrication.formats.base import Format, Part, Provenance
+from fabrication.formats.dxf.engrave import engraved
 from fabrication.formats.dxf.read import Polyline, read_dxf
-from fabrication.formats.dxf.write import CUT, DETAIL, dxf_text
+from fabrication.formats.dxf.write import CUT, DETAIL, ENGRAVE, MARK, dxf_text
 from fabrication.formats.report import FileReport
 from fabrication.solids import boundary_of
 from fabrication.solids.plate import OfPlates, Plate, plate
@@ -41,22 +42,30 @@ class Dxf(Format):
         return _plate_of(family) is not None
 
     def write_part(self, path: Path, part: Part, about: Provenance) -> None:
-        """Outline and holes on CUT, the outline of a smaller face on DETAIL."""
+        """Outline and holes on CUT, the number on ENGRAVE or MARK, a smaller face on DETAIL."""
         flat = _plate_of(part.family)
         assert flat is not None
-        path.write_text(dxf_text(flat, self.option(about, "release")), "ascii", newline="\r\n")
+        layer = MARK if part.kind.finish == "glass" else ENGRAVE
+        lines = engraved(flat, part.number)
+        text = dxf_text(flat, self.option(about, "release"), lines, layer)
+        path.write_text(text, "ascii", newline="\r\n")
 
     def check_part(self, path: Path, part: Part) -> list[Check]:
         """Read back: the part's outlines, closed; area times thickness gives its volume."""
         flat = _plate_of(part.family)
         try:
-            drawn = read_dxf(path)
+            every = read_dxf(path)
         except InputError as error:
             return [Check("dxf readable", False, str(error))]
         assert flat is not None
+        drawn = [one for one in every if one.layer not in (ENGRAVE, MARK)]
+        marks = [one for one in every if one.layer in (ENGRAVE, MARK)]
+        size = np.abs(flat.loops[0].points).max()
+        sound = all(not one.closed and np.abs(one.loop.points).max() < size for one in marks)
         wanted = [(CUT, loop) for loop in flat.loops] + [(DETAIL, loop) for loop in flat.other]
         checks = [
             Check("dxf readable", True),
+            Check("dxf marks", sound, float(len(marks))),
             Check("dxf outlines", len(drawn) == len(wanted), float(len(drawn)), float(len(wanted))),
         ]
         if len(drawn) == len(wanted):

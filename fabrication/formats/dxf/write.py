@@ -2,42 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
+import numpy as np
+
 from fabrication.drawings.dxf_file import Layer, template
+from fabrication.drawings.strokes import Stroke
 from fabrication.solids.plate import Plate
 from fabrication.specs import Loop
 
 CUT: Final = "CUT"
 DETAIL: Final = "DETAIL"
-LAYERS: Final = (Layer(CUT, 7), Layer(DETAIL, 8))
-"""Layers and their colors by index: what is cut through; the outline of the smaller face."""
+ENGRAVE: Final = "ENGRAVE"
+MARK: Final = "MARK"
+LAYERS: Final = (Layer(CUT, 7), Layer(ENGRAVE, 5), Layer(MARK, 3), Layer(DETAIL, 8))
+"""Layers and their colors by index: what is cut through; what is engraved into metal; what glass
+is marked with, to be read from outside; the outline of the smaller face."""
 
 _FIRST_HANDLE: Final = 0x1000
 
 
-def dxf_text(flat: Plate, release: str = "R2010") -> str:
+def dxf_text(
+    flat: Plate, release: str = "R2010", marks: Sequence[Stroke] = (), layer: str = ENGRAVE
+) -> str:
     """A plate as DXF of a release, R2010 or R12; the latter names no unit.
 
     Every file of a release has the same header, tables and objects, made by ezdxf once.
+
+    Parameters
+    ----------
+    marks : open lines for a layer, ENGRAVE or MARK
     """
     before, after, owner = template(release, LAYERS)
     handles = iter(range(_FIRST_HANDLE, 1 << 32))
     drawn = [(CUT, loop) for loop in flat.loops] + [(DETAIL, loop) for loop in flat.other]
     draw = _lightweight if release != "R12" else _vertices
-    entities = [line for layer, loop in drawn for line in draw(layer, loop, handles, owner)]
+    entities = [line for on, loop in drawn for line in draw(on, loop, handles, owner)]
+    for points in marks:
+        open_line = Loop(points, np.zeros(len(points)))
+        entities += draw(layer, open_line, handles, owner, closed=False)
     seed = f"{next(handles):X}"
     return before.replace("$SEED$", seed) + "".join(f"{line}\n" for line in entities) + after
 
 
-def _lightweight(layer: str, loop: Loop, handles: Iterator[int], owner: str) -> list[str]:
-    """LWPOLYLINE, closed."""
+def _lightweight(
+    layer: str, loop: Loop, handles: Iterator[int], owner: str, *, closed: bool = True
+) -> list[str]:
+    """LWPOLYLINE."""
     head = ["LWPOLYLINE", f"{next(handles):X}", owner, "AcDbEntity", layer, "AcDbPolyline"]
     lines = [
         f"{code:3d}\n{value}" for code, value in zip((0, 5, 330, 100, 8, 100), head, strict=True)
     ]
-    lines += [f" 90\n{len(loop.points)}", " 70\n1"]
+    lines += [f" 90\n{len(loop.points)}", f" 70\n{int(closed)}"]
     for (x, y), bulge in zip(loop.points.tolist(), loop.bulges.tolist(), strict=True):
         lines.append(f" 10\n{_number(x)}\n 20\n{_number(y)}")
         if bulge:
@@ -45,11 +62,13 @@ def _lightweight(layer: str, loop: Loop, handles: Iterator[int], owner: str) -> 
     return lines
 
 
-def _vertices(layer: str, loop: Loop, handles: Iterator[int], owner: str) -> list[str]:
-    """POLYLINE, closed, with its VERTEX entities, as R12 has it."""
+def _vertices(
+    layer: str, loop: Loop, handles: Iterator[int], owner: str, *, closed: bool = True
+) -> list[str]:
+    """POLYLINE with its VERTEX entities, as R12 has it."""
     lines = [
         f"  0\nPOLYLINE\n  5\n{next(handles):X}\n  8\n{layer}\n 66\n1",
-        " 10\n0.0\n 20\n0.0\n 30\n0.0\n 70\n1",
+        f" 10\n0.0\n 20\n0.0\n 30\n0.0\n 70\n{int(closed)}",
     ]
     for (x, y), bulge in zip(loop.points.tolist(), loop.bulges.tolist(), strict=True):
         at = f" 10\n{_number(x)}\n 20\n{_number(y)}\n 30\n0.0\n 42\n{_number(bulge)}"
