@@ -106,14 +106,15 @@ def schedules(
         masses = family_masses(families, project)
 
     made_of = materials(project)
+    along = joint_rows(gridshell)
     bars, stock = cut_rows(families, _stock_of(project), made_of)
     found = {
         "order": (order_rows(gridshell), ORDER_LEGEND),
         "bom": (bom_rows(families, masses, made_of), bom.BOM),
         "panels": (panel_rows(gridshell, families, masses), panels.LEGEND),
         "sizes": (size_rows(families, masses), bom.SIZES),
-        "joints": (joint_rows(gridshell), joints.LEGEND),
-        "strips": (strip_rows(gridshell), joints.STRIPS),
+        "joints": (along, joints.LEGEND),
+        "strips": (strip_rows(along), joints.STRIPS),
         "beams": (beam_rows(gridshell, families, masses), beams.LEGEND),
         "stock": (stock, cutting.STOCK),
         "bars": (bars, cutting.BARS),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -104,11 +105,11 @@ def joint_rows(gridshell: Gridshell) -> list[Row]:
     return rows
 
 
-def strip_rows(gridshell: Gridshell) -> list[Row]:
-    """A row a profile and place: what to order for all joints."""
+def strip_rows(joints: Sequence[Row]) -> list[Row]:
+    """A row a profile and place: what to order for all joints; given their rows."""
     found: dict[tuple[str, str, str], list[float]] = {}
     marks: dict[tuple[str, str, str], dict[str, None]] = {}
-    for row in joint_rows(gridshell):
+    for row in joints:
         sides = [row["inner_left_mm"], row["inner_right_mm"]]
         pieces = {
             "gasket": [side for side in sides if side is not None],

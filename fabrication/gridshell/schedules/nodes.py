@@ -63,8 +63,8 @@ LEGEND: Final = Legend(
         "hole_{k}_mm": "height of the center of the hole of arm {k} above the bottom end; it is "
         "square to the seat and, where it is the only one, points to the axis",
         "hole_{k}_diameter_mm": "diameter of that hole before its thread is cut",
-        "hole_{k}_depth_mm": "its depth from the seat, or from the cylinder where there is none; "
-        "empty: through the wall of the tube",
+        "hole_{k}_depth_mm": "depth of its full diameter from the seat, or from the cylinder where "
+        "there is none; empty: through the wall of the tube",
         "thread_{k}": "thread in that hole, and the length that must be complete, in mm",
         "hole_{k}_count": "holes of arm {k}, in rows of two; hole {k} is the height of the lowest",
         "hole_{k}_across_mm": "from the holes on one side of the arm to those on the other",
