@@ -11,6 +11,7 @@ import shop_lists
 from roofs import hexagons
 
 from fabrication.gridshell.design import Design, design
+from fabrication.job.result import JobResult
 from fabrication.job.run import make
 
 PLAIN: dict[str, Any] = {"output": {"formats": ["csv"]}, "checks": {"verify": "none"}}
@@ -134,3 +135,27 @@ def test_what_is_stated_is_the_projects_and_what_is_not_is_open() -> None:
         assert found[setting] == ("", "not stated")
     assert {row["profile"] for row in tables["strips"] if row["kind"] == "cap"} == {"(not stated)"}
     assert {row["material"] for row in tables["stock"]} == {"steel S355J2", "steel (not stated)"}
+
+
+def test_lists_of_a_kit_add_up_too(kit_job: JobResult) -> None:
+    """Masses and pieces are the manifest's; pins come out of rods, stacks of what is assembled."""
+    lists = shop_lists.read(kit_job.folder)
+    assert shop_lists.unexplained(lists) == []
+    parts = kit_job.manifest["parts"]
+    for role in {part["role"] for part in parts}:
+        own = [part for part in parts if part["role"] == role]
+        rows = [row for row in lists["bom"] if row["role"] == role]
+        assert sum(int(row["count"]) for row in rows) == len(own)
+        grams = 1000.0 * sum(part["mass_kg"] for part in own)
+        assert shop_lists.column_sum(rows, "total_g") == pytest.approx(grams, abs=0.01 * len(own))
+    pins = {row["pin"]: row for row in lists["hinges"]}
+    assert sorted(mark for row in lists["rods"] for mark in row["marks"].split()) == sorted(pins)
+    stacked = {mark: row["stack"].split() for mark, row in pins.items()}
+    placed: dict[str, list[str]] = {}
+    for row in lists["assembly"]:
+        placed.setdefault(row["pin"], []).append(row["part"])
+    assert placed == stacked
+    links = {row["mark"]: row for row in lists["links"]}
+    for mark, row in links.items():
+        for end in ("start", "end"):
+            assert mark in stacked[row[f"pin_{end}"]]
