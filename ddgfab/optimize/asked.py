@@ -72,7 +72,7 @@ class Asked:
         return result if plain is None else self._priced(plain, result)
 
     def _priced(self, plain: OptimizeResult, wished: OptimizeResult) -> OptimizeResult:
-        return replace(wished, wishes=self.wishes.price(plain, wished))
+        return wished.revised(wishes=self.wishes.price(plain, wished))
 
     def _best(self, mesh: Mesh) -> OptimizeResult | None:
         """The result without wishes, met or not; None where no mesh was found."""
@@ -109,7 +109,7 @@ class Asked:
         outcome = _taken(found)
         if outcome.missed and self.softer is not None:
             advice = ((SOFTER, self.softer),)
-            outcome = replace(outcome, result=replace(outcome.result, advice=advice))
+            outcome = replace(outcome, result=outcome.result.revised(advice=advice))
         return outcome.taken(throw=True)
 
 
@@ -143,5 +143,5 @@ def _taken(found: Sequence[tuple[NetGoal, Outcome]]) -> Outcome:
     if not best.missed:
         passed = ", ".join(one.label for one, outcome in found if outcome.missed)
         remarks = (f"{passed}: not within the limits; {goal.label} is", *remarks)
-    result = replace(best.result, history=history, tried=trials, remarks=remarks)
+    result = best.result.revised(history=history, tried=trials, remarks=remarks)
     return Outcome(result, best.missed)

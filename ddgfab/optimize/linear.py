@@ -17,8 +17,10 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import warnings
+import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -143,16 +145,19 @@ class SymmetricSolver:
         pardiso.set_phase(_SOLVE)
 
         def solve(right: Floats) -> Floats:
+            # of self, which so outlives it: its end frees the factor
             columns = np.asfortranarray(right.reshape(len(right), -1))
-            return np.asarray(pardiso._call_pardiso(upper, columns)).reshape(right.shape)
+            return np.asarray(self._pardiso._call_pardiso(upper, columns)).reshape(right.shape)
 
         return solve
 
     def _analyzed(self) -> None:
         """A solver of its own for the pattern, whose upper triangle it takes."""
-        if self._pardiso is not None:
+        if self._pardiso is None:
+            self._pardiso = _pardiso(self._kind)
+            weakref.finalize(self, self._pardiso.free_memory, everything=True)
+        else:
             self._pardiso.free_memory(everything=True)
-        self._pardiso = importlib.import_module(_PARDISO).PyPardisoSolver(self._kind)
         starts, columns = self._pattern.starts, self._pattern.columns
         rows = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
         self._above = np.flatnonzero(columns >= rows)
@@ -161,6 +166,19 @@ class SymmetricSolver:
             (np.zeros(len(self._above)), columns[self._above], np.append(0, np.cumsum(counts))),
             shape=(len(counts), len(counts)),
         )
+
+
+def _pardiso(kind: int) -> Any:
+    """A solver that has nothing analyzed yet, for a type of matrices.
+
+    Made from the one that the package makes when it is loaded: its constructor searches the whole
+    environment for the library each time, which takes as long as some factorizations.
+    """
+    made = copy(importlib.import_module(_PARDISO).ps)
+    made.mtype = kind
+    for name in ("pt", "iparm", "perm"):
+        setattr(made, name, np.zeros_like(getattr(made, name)))
+    return made
 
 
 @contextmanager

@@ -223,11 +223,11 @@ class _Task:
             missed.insert(0, missed_text(self.goal.name, problem, path.value, self.tolerance))
         if crooked := _crooked(self.goal, result.mesh):
             missed.append(crooked)
-        result = replace(result, remarks=remarks_of(result))
+        result = result.revised(remarks=remarks_of(result))
         if not missed:
             return Outcome(result)
         advice = advice_of(result, met, self.keep, boundary, self.limits, self.goal.easier)
-        return Outcome(replace(result, status="missed", advice=advice), tuple(missed))
+        return Outcome(result.revised(status="missed", advice=advice), tuple(missed))
 
     def result(
         self, problem: Problem, x: Floats, found: Mesh, surface: Mesh | None

@@ -7,7 +7,6 @@ to lie on an edge; what divides them lies on the curved surface that the vertex 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -291,4 +290,4 @@ def with_panes(
 
 def _with_parts(result: OptimizeResult, parts: Ints) -> OptimizeResult:
     """The result with how its edges were divided, if they were."""
-    return replace(result, parts=parts) if (parts > 1).any() else result
+    return result.revised(parts=parts) if (parts > 1).any() else result

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, Self, TypeAlias
 
 import numpy as np
 
@@ -166,6 +166,13 @@ class OptimizeResult:
             f"OptimizeResult({self.goal}: {self.status}, moved {self.movement_max:.4g} at most, "
             f"residual {self.residual:.2g})"
         )
+
+    def revised(self, **fields: Any) -> Self:
+        """The result with other fields than meshes; measures that are known stay so."""
+        made = replace(self, **fields)
+        measures = ("before", "after", "change", "movement")
+        made.__dict__.update({k: v for k, v in self.__dict__.items() if k in measures})
+        return made
 
     @cached_property
     def before(self) -> Report:
