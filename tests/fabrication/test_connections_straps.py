@@ -73,6 +73,13 @@ def test_a_bar_and_four_boxes() -> None:
     assert shape.dimensions()["length_cut_mm"] == pytest.approx(750.0)
 
 
+def test_the_bar_to_saw_has_no_holes() -> None:
+    sawn = bar(0.1, -0.2).sawn()
+    assert sawn is not None
+    assert sawn.holes == ()
+    assert sawn.volume == pytest.approx(bar(0.1, -0.2).dimensions()["length_cut_mm"] * 1200.0, 0.02)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -179,7 +186,7 @@ def test_a_job_with_straps(tmp_path: Path) -> None:
         beam={"profile": "FL 100x12"},
         node={"kind": "star"},
         connection={**DOUBLED, "fasteners": True},
-        output={"formats": ["step", "csv"]},
+        output={"formats": ["step", "nc1", "ifc", "csv"]},
         checks={"verify": "sample"},
     )
     result = make(made, tmp_path / "roof")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Vec
-from fabrication.parts.beam.straps import bar_end
+from fabrication.parts.beam.straps import bar_end, strap_holes
 from fabrication.parts.beam.stud import along
 from fabrication.solids.builder import BoundaryBuilder, Coedges, add, scale
 from fabrication.solids.section import Segment, distance_to
@@ -31,7 +31,7 @@ def plate_key(plate: PlateEnd) -> Hashable:
 
 
 def bar_of(shape: BeamShape) -> BeamShape:
-    """The bar between plates or straps, without them."""
+    """The bar between plates or straps, without them and the holes in straps."""
 
     def bare(cut: EndCut, outward: float) -> EndCut:
         if cut.straps is not None:
@@ -40,7 +40,14 @@ def bar_of(shape: BeamShape) -> BeamShape:
             return cut
         return replace(cut, x=inner_end(cut, outward).at, plate=None)
 
-    return replace(shape, start=bare(shape.start, -1.0), end=bare(shape.end, 1.0))
+    others = [
+        hole
+        for cut, outward in ((shape.start, -1.0), (shape.end, 1.0))
+        if cut.straps is not None
+        for hole in strap_holes(shape, cut, outward)
+    ]
+    holes = tuple(hole for hole in shape.holes if hole not in others)
+    return replace(shape, start=bare(shape.start, -1.0), end=bare(shape.end, 1.0), holes=holes)
 
 
 def inner_end(cut: EndCut, outward: float) -> End:
