@@ -18,7 +18,7 @@ Sections = dict[str, dict[str, Any]]
 CASES: dict[str, tuple[Sections, list[str], Sections]] = {
     "bar of 12 mm": (
         {"beam": {"profile": "FL 80x12"}, "connection": STUD},
-        ["node N-0000, beam B-0000", "6.0 mm", "16.2 mm", '"FL 80x35"'],
+        ["node N-0000, beam B-0000", "6.0 mm", "16.2 mm", '"FL 70x35"'],
         {"beam": {"profile": "FL 70x35"}},
     ),
     "stud in a small section": (
