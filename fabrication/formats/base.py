@@ -108,11 +108,14 @@ class Provenance:
 
 @dataclass(frozen=True)
 class Material:
-    """A material: its name and density [kg/m3], and the tolerances that parts of it have."""
+    """A material: its name and density [kg/m3], and the tolerances that parts of it have.
+
+    Parts of other tolerances are of the same material.
+    """
 
     name: str
     density: float
-    tolerance: str = ""
+    tolerance: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,10 +41,7 @@ class NodeRule(Rule):
 class KindSection(Section):
     """A section whose kind stands in a registry; a key of other kinds is refused.
 
-    Attributes
-    ----------
-    registry : of the kinds
-    whole : keys that hold for the whole project: rules do not change them
+    `registry` has the kinds, `whole` the keys that hold for the whole project, which no rule changes.
     """
 
     registry: ClassVar[Registry]
