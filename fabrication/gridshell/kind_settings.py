@@ -41,7 +41,7 @@ class NodeRule(Rule):
 class KindSection(Section):
     """A section whose kind stands in a registry; a key of other kinds is refused.
 
-    `registry` has the kinds, `whole` the keys that hold for the whole project, which no rule changes.
+    `registry` has the kinds, `whole` the keys of the whole project, which no rule changes.
     """
 
     registry: ClassVar[Registry]
