@@ -33,8 +33,8 @@ def engraved(flat: Plate, text: str) -> list[Stroke]:
     """
     along = _along(flat.loops[0])
     turn = np.array([along, (-along[1], along[0])])  # to the frame of the text
-    corners = [_sampled(loop) @ turn.T for loop in flat.loops]
     for height in HEIGHTS:
+        corners = [_sampled(loop, 0.5 * height) @ turn.T for loop in flat.loops]
         wide = width_of(text, height)
         whole = wide + (1.8 * height if flat.up is not None else 0.0)
         at = _place(corners, whole, height)
@@ -60,9 +60,8 @@ def _along(loop: Loop) -> Floats:
     return np.array([sign * u / length, sign * v / length])
 
 
-def _sampled(loop: Loop) -> Floats:
-    """(n, 2) points along a loop, no further apart than half of the smallest letters."""
-    step = 0.5 * HEIGHTS[-1]
+def _sampled(loop: Loop, step: float) -> Floats:
+    """(n, 2) points along a loop, no further apart than a step [mm]."""
     out = []
     for s in segments(loop):
         length = abs(s.turn) * s.radius if s.turn else math.hypot(s.u1 - s.u0, s.v1 - s.v0)
