@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -35,6 +36,9 @@ def template(
     from ezdxf.filemanagement import new
     from ezdxf.lldxf import const
 
+    log = logging.getLogger("ezdxf")
+    level = log.level
+    log.setLevel(logging.ERROR)  # it warns that R12 has no units
     fixed = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True  # no dates, no random ids
     try:
@@ -58,6 +62,7 @@ def template(
         document.write(stream)
     finally:
         options.write_fixed_meta_data_for_testing = fixed
+        log.setLevel(level)
     text = stream.getvalue()
     start = "  2\nENTITIES\n"
     at = text.index(start) + len(start)

@@ -19,7 +19,7 @@ from fabrication.drawings.arrange import SCALES, scale_text
 from fabrication.drawings.block import Block, block_items, block_rectangle, frame_items
 from fabrication.drawings.lettering import BELOW, LEAST, text_width
 from fabrication.drawings.marks import readable
-from fabrication.drawings.room import ON_LINE, Room, Stroke
+from fabrication.drawings.room import ON_LINE, ON_TEXT, Room, Stroke
 from fabrication.drawings.sheet import (
     A0,
     A1,
@@ -54,6 +54,11 @@ BORDER: Final = 10.0
 
 TRIES: Final = 4
 """So many scales of the series are tried beyond the first at which a label has room."""
+
+SOFT: Final = 1e-3
+FEW: Final = 5e-5
+"""A label on a line counts so much of one on a text; so many for each label are accepted: one in
+twenty on a line, none on a text."""
 
 VIEWS: Final[tuple[tuple[str, Vec, Vec], ...]] = (
     ("from above", (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
@@ -161,12 +166,12 @@ def _labelled(view: _View) -> tuple[float, list[Text]]:
     largest = max(float(view.size.max()), 1e-9)
     first = max(float(np.percentile(enough, 90.0)), 0.3 * A3.width / largest)
     scales = [scale for scale in reversed(SCALES) if scale >= first * 0.999] or [SCALES[0]]
-    best: tuple[int, float, list[Text]] | None = None
+    best: tuple[float, float, list[Text]] | None = None
     for scale in scales[:TRIES]:
         labels, crowded = _labels(view, scale, math.inf if best is None else best[0])
         if best is None or crowded < best[0]:
             best = (crowded, scale, labels)
-        if not crowded:
+        if crowded <= FEW * len(view.symbols):
             break
     assert best is not None
     return best[1], best[2]
@@ -187,13 +192,16 @@ def _least(view: _View, index: int) -> float:
     return max((wide + 2.0) / max(across, 1e-6), 2.0 * LEAST / max(up, 1e-6))
 
 
-def _labels(view: _View, scale: float, most: float) -> tuple[list[Text], int]:
-    """Labels at a scale, and how many of them lie on something; stops where those are too many."""
+def _labels(view: _View, scale: float, most: float) -> tuple[list[Text], float]:
+    """Labels at a scale, and how many of them lie on a text, or by `SOFT` on a line.
+
+    Stops where those are more than so many.
+    """
     room = Room()
     ends = (view.lines * scale).tolist()
     room.add_lines([((a, b), (c, d)) for (a, b), (c, d) in ends if (a, b) != (c, d)])
     labels: list[Text] = []
-    crowded = 0
+    crowded = 0.0
     order = {"joint": 0, "bar": 1, "sheet": 2, "block": 3}
     for k in sorted(range(len(view.symbols)), key=lambda k: order[view.symbols[k].form]):
         x, y = (view.centers[k] * scale).tolist()
@@ -206,7 +214,7 @@ def _labels(view: _View, scale: float, most: float) -> tuple[list[Text], int]:
             if cost - dislike < 1.0:
                 break
         assert best is not None
-        crowded += least >= ON_LINE
+        crowded += 1.0 if least >= ON_TEXT else SOFT * (least >= ON_LINE)
         if crowded >= most:
             break
         room.add_text(best)
@@ -238,7 +246,7 @@ def _places(symbol: Symbol, x: float, y: float, way: list[float]) -> Iterator[tu
                 )
                 yield Text(at, label, LEAST, "center"), 0.5 * step
         return
-    for step in range(4):
+    for step in range(8):
         for turn in range(8 if step else 1):
             angle = math.pi * turn / 4.0
             at = (x + 2.0 * step * math.cos(angle), y + 2.0 * step * math.sin(angle) - 0.5 * LEAST)

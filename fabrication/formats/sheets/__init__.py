@@ -87,7 +87,7 @@ FORMAT: Final = Sheets()
 
 def path_of(name: str) -> str:
     """Path below the output folder of a file of sheets."""
-    return f"{SHEETS}/{name}.pdf"
+    return f"{SHEETS}/{name.replace(' ', '-')}.pdf"
 
 
 def dxf_of(name: str) -> str:
