@@ -32,7 +32,7 @@ def write_missed(
     from ddgfab.optimize import OptimizeResult
     from ddgfab.optimize.directions import TRACE, TRACE_REASON
 
-    advice = getattr(error.result, "advice", ())
+    advice: tuple[tuple[str, object], ...] = getattr(error.result, "advice", ())
     traced_again = bool(advice) and advice[0][0] == TRACE and command.anew
     lines = [
         line
