@@ -60,7 +60,7 @@ MEASURES: dict[str, tuple[int, str, tuple[str, ...]]] = {
     "isothermic_defect": (0, "vertex", ()),
     "translation_defect": (0, "face", ()),
 }
-TEXTS = {"inspect", "kind_names", "kind_words"}
+TEXTS = {"inspect", "kind_names", "kind_words", "not_a_disk"}
 
 
 def axes_of(mesh: Mesh, at: Similarity) -> Floats:
@@ -108,6 +108,7 @@ def test_measures_under_similarities(shape: str, at: Similarity) -> None:
         limit *= max(1.0, float(np.abs(values[:, 0]).max()))
         assert np.abs(values[:, 0] - values[:, 1]).max() < limit, name
     assert measures.kind_names(image) == measures.kind_names(mesh)
+    assert measures.not_a_disk(image) == measures.not_a_disk(mesh)
 
 
 @pytest.mark.parametrize("shape", MESHES)

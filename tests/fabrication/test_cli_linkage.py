@@ -39,6 +39,7 @@ def test_alone_it_makes_the_default_bennett_kit(tmp_path: Path) -> None:
         "preview.png",
         *(f"schedules/{name}.csv" for name in ("bom", "links", "hinges", "assembly", "rods")),
         "schedules/columns.csv",
+        "schedules/order.csv",
     }
 
 

@@ -125,7 +125,7 @@ def test_steel_includes_the_near_flank_of_wide_beams() -> None:
         frames,
         np.full(case.mesh.n_vertices, -1e3),
         np.zeros(case.mesh.n_vertices),
-        beam_sections(Net(case.mesh, NO_GROUPS), shell.project),
+        beam_sections(Net(case.mesh, NO_GROUPS, shell.project.ground), shell.project),
         shell.project,
     )
     for panel in shell.panels:
