@@ -15,6 +15,9 @@ WIDE: Final = 180.0
 ROW: Final = 9.5
 """Height of its rows [mm]."""
 
+FIRST: Final = 76.0
+"""Width of material and tolerances [mm]."""
+
 VALUE: Final = 3.0
 """Height of its values [mm], where they fit."""
 
@@ -75,14 +78,14 @@ def block_items(paper: Paper, block: Block, sheet: int, sheets: int) -> Iterator
     about = block_rectangle(paper)
     rows: tuple[tuple[tuple[str, str, float], ...], ...] = (
         (
-            ("Material", block.material, 76.0),
+            ("Material", block.material, FIRST),
             ("Mass, one piece", block.mass, 32.0),
             ("Quantity", block.quantity, 22.0),
             ("Scale", block.scale, 24.0),
             ("", "", 26.0),
         ),
         (
-            ("General tolerances", block.tolerance, 76.0),
+            ("General tolerances", block.tolerance, FIRST),
             ("Created by", block.author, 52.0),
             ("Approved by", "", 52.0),
         ),
@@ -115,8 +118,15 @@ def block_items(paper: Paper, block: Block, sheet: int, sheets: int) -> Iterator
     yield from _first_angle(about.x1 - 13.0, about.y1 - 0.5 * ROW)
 
 
+def cut_short(block: Block) -> Iterator[tuple[str, str]]:
+    """Name and whole text of what a shop works by and the title block cuts: its room is fixed."""
+    for label, value in (("Material", block.material), ("General tolerances", block.tolerance)):
+        if text_width(value, LEAST) > FIRST - 2.0:
+            yield label, value
+
+
 def _field(label: str, value: str, x: float, top: float, width: float) -> Iterator[Item]:
-    """Its name above, its value below: smaller, then on two lines, then cut, where it is long."""
+    """Its name above, its value below: smaller, then cut, where it is long."""
     if label:
         yield Text((x + 1.0, top - 1.0 - LEAST), label)
     if not value:
@@ -142,4 +152,4 @@ def _corners(r: Rectangle) -> tuple[tuple[float, float], ...]:
     return ((r.x0, r.y0), (r.x1, r.y0), (r.x1, r.y1), (r.x0, r.y1))
 
 
-__all__ = ["Block", "block_items", "block_rectangle", "frame_items", "wrap"]
+__all__ = ["Block", "block_items", "block_rectangle", "cut_short", "frame_items", "wrap"]

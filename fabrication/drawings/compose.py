@@ -9,7 +9,7 @@ from typing import Final
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary
 from fabrication.drawings.arrange import Arranged, arrange, extent_of, into, project, scale_text
-from fabrication.drawings.block import Block, block_items, frame_items
+from fabrication.drawings.block import Block, block_items, cut_short, frame_items
 from fabrication.drawings.columns import (
     GAP,
     Entry,
@@ -104,7 +104,7 @@ def part_sheets(
         Its views fit no paper up to A1 at any scale.
     """
     projected = project(drawing.views, boundary, mesh)
-    entries = list(entries_of([*drawing.lists, *extra, *_notes(drawing)]))
+    entries = list(entries_of([*drawing.lists, *extra, *_notes(drawing), *_in_full(block)]))
     best: _Tried | None = None
     for tried in _tries(projected, entries):
         if best is None or tried.crowded < best.crowded:
@@ -138,6 +138,10 @@ def part_sheets(
 
 def _notes(drawing: Drawing) -> list[Paragraph]:
     return [Paragraph("Notes", " ".join(drawing.notes))] if drawing.notes else []
+
+
+def _in_full(block: Block) -> list[Paragraph]:
+    return [Paragraph(f"{label}, in full", value) for label, value in cut_short(block)]
 
 
 def _room(

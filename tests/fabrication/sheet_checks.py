@@ -51,7 +51,7 @@ def followed(item: Item) -> np.ndarray:
 def overlapping(sheet: Sheet) -> list[str]:
     """Texts that lie on each other, or on an edge of the part."""
     found = []
-    texts = list(sheet.texts())
+    texts = [text for text in sheet.texts() if text.text.strip()]
     boxes = [corners(text) for text in texts]
     for (one, a), (two, b) in combinations(zip(texts, boxes, strict=True), 2):
         if (a.max(0) < b.min(0)).any() or (b.max(0) < a.min(0)).any():

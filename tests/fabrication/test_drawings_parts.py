@@ -155,6 +155,23 @@ def test_titles_of_any_kind_stay_in_their_block() -> None:
     assert [text.endswith("...") for text in shown] == [True]
 
 
+def test_long_materials_and_tolerances_are_on_the_sheet_in_full() -> None:
+    """The title block cuts them; a shop needs all of their words, whatever their length."""
+    grade = "S355J2+N hot-dip galvanized, painted " + " ".join(f"layer{n}" for n in range(60))
+    whole = whole_of(design(net=SMALL, beam={"grade": grade}))
+    sheets: dict[str, list[Sheet]] = {}
+    for _, sheet in sheets_of_whole(whole):
+        sheets.setdefault(sheet.subject, []).append(sheet)
+    beams = {n: part for n, part in whole.parts.items() if part.family.role == "beam"}
+    assert beams
+    for number, part in beams.items():
+        words = " ".join(text.text for sheet in sheets[number] for text in sheet.texts())
+        assert " ".join(grade.split()) in words
+        assert part.material is not None
+        assert part.material.tolerance in words
+        assert all(faults(sheet) == [] for sheet in sheets[number])
+
+
 def test_marks_of_hundreds_of_pieces_go_on_sheets_of_their_own() -> None:
     whole = whole_of(design(net={"kind": "koebe", "shape": "goldberg", "cells": 3}))
     number, family = max(
