@@ -238,6 +238,7 @@ def follow(
     walks = chosen.on_the_way or chosen.even_if_met
     if ends[0].violation <= chosen.tolerance and not walks:
         return Path(walker.x, "converged", (), tuple(ends))
+    walker.x = _nudged(walker.merit)
     near = max(chosen.tolerance, chosen.finish)
     while rho <= chosen.max_penalty and len(walker.history) < chosen.max_steps:
         taken = walker.stage(rho)
@@ -292,6 +293,23 @@ def settle(
     return Path(walker.x, status, tuple(walker.history), (end,))
 
 
+def _nudged(merit: Merit) -> Floats:
+    """The start, with vertices a little off along their normals, by their numbers.
+
+    On a symmetric mesh bends may form on either side, and rounding would choose: another result for
+    every rotation and every machine. So the numbers of the vertices choose.
+    """
+    mesh = merit.problem.mesh
+    parts = 2 * (_GOLDEN * np.arange(mesh.n_vertices) % 1.0) - 1
+    full = np.zeros(len(merit.problem.start))
+    full[: 3 * mesh.n_vertices] = (_NUDGE * parts[:, None] * mesh.vertex_normals).ravel()
+    x = merit.problem.start + np.where(merit.problem.free, full, 0.0)
+    return x if merit.possible(x) else merit.problem.start.copy()
+
+
+_NUDGE, _GOLDEN = 1e-10, 0.6180339887498949
+"""In mean edges: a thousand times what coordinates are rounded by, and far below what is made.
+Multiples of the golden ratio spread evenly and follow no symmetry."""
 _REST = 1e-6
 """Part of the merit; steps that lower it by less are at rest."""
 _GIVE_UP = 1e6
