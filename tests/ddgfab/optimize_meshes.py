@@ -67,6 +67,17 @@ def hexagons(n: int, bend: tuple[float, float] = (-0.03, -0.04)) -> Mesh:
     return Mesh.build(np.c_[flat, height], faces)
 
 
+def shell_of_hexagons() -> Mesh:
+    """314 hexagons on a free-form shell with a round outline: hills, hollows and saddles."""
+    flat = hexagons(25, (0.0, 0.0))
+    x, y, _ = flat.vertices.T
+    away = np.hypot(*(flat.face_centers[:, :2] / (np.sqrt(3) * 12.5) / [1, 0.87]).T)
+    kept = [face for face, far in zip(flat.faces, away, strict=True) if far < 0.8]
+    used, corners = np.unique(np.array(kept), return_inverse=True)
+    z = 3.5 * np.cos(x / 4.5) * np.cos(y / 7) - (x / 10) ** 2 - (y / 9) ** 2
+    return Mesh.build(np.c_[x, y, z][used], corners.reshape(-1, 6))
+
+
 def rotation(seed: int = 5) -> Floats:
     """A rotation of no particular axis."""
     turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from optimize_meshes import dome, roof, rotation, torus, wavy
+from optimize_meshes import dome, roof, rotation, shell_of_hexagons, torus, wavy
 
 from ddgfab.grid import grid_mesh
 from ddgfab.io import read_mesh
@@ -65,6 +65,36 @@ def test_every_accepted_step_is_on_the_right_side_of_all_barriers() -> None:
     assert all(seen)
     assert any(len(barrier.active(path.value)[1]) for barrier in problem.barriers)
     assert all(step.longest <= 0.5 + 1e-12 for step in path.history)
+
+
+@pytest.mark.parametrize("flat", [FLAT, 0.0])
+def test_a_shell_of_hexagons_keeps_surface_and_rise(flat: float) -> None:
+    _keeps_its_shape(shell_of_hexagons(), flat)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("flat", [FLAT, 0.0])
+def test_a_shell_of_hexagons_made_by_others(mesh_file: Callable[[str], Path], flat: float) -> None:
+    _keeps_its_shape(read_mesh(mesh_file("aag.obj")).mesh, flat)
+
+
+def _keeps_its_shape(mesh: Mesh, flat: float) -> None:
+    """Within the distance and the rise of the specification, without a fold."""
+    result = optimize(mesh, flat=flat, zigzag_limit=np.pi)
+    change = result.change
+    assert planarity_percent(mesh).max() > 10 * FLAT
+    assert planarity_percent(result.mesh).max() <= max(flat, 1e-8)
+    assert change.distance_mean < 0.2 * change.edge
+    assert change.rise_kept == pytest.approx(1.0, abs=0.05)
+    assert not len(change.folded)
+
+
+def test_asking_for_less_costs_less() -> None:
+    """On gentle meshes every step to flatter faces is one away from the surface."""
+    mesh = dome(10)
+    far = [optimize(mesh, flat=flat).change.distance_mean for flat in (1.0, 0.5, 0.2, 0.0)]
+    assert far == sorted(far)
+    assert 0 < far[0] < 0.6 * far[-1]
 
 
 # --- awkward meshes ------------------------------------------------------------------------------
