@@ -45,6 +45,39 @@ CASES: dict[str, tuple[Sections, list[str], Sections]] = {
         ["cheeks of 0.0 mm", "6 mm each", 'ends = "doubled"', '"FL 35x25"'],
         {"connection": {**TONGUE, "ends": "doubled"}},
     ),
+    "discs of plates": (
+        {"beam": {"profile": "FL 80x40"}, "node": {"kind": "plates"}, "connection": STUD},
+        ["node N-0000", '"plates" is for', '[node] kind = "cylinder"'],
+        {"node": {"kind": "cylinder"}},
+    ),
+    "timber of a hollow section": (
+        {"beam": {"profile": "RHS 100x60x4"}, "node": {"kind": "plates"}, "connection": TIMBER},
+        ["node N-0000, beam B-0000", "only flat bars", 'kind = "end_plate" with round nodes'],
+        {"node": {}, "connection": {"kind": "end_plate"}},
+    ),
+    "slanting sides": (
+        {
+            "beam": {"profile": [[-30, -100], [30, -100], [10, 0], [-10, 0]]},
+            "connection": STUD,
+        },
+        ["node N-0000, beam B-0000", "upright sides", '"FL 70x35"'],
+        {"beam": {"profile": "FL 70x35"}},
+    ),
+    "wide bar": (
+        {"beam": {"profile": "FL 280x120"}, "connection": STUD},
+        ["turns by 29 deg", "at least 30 deg", 'bolt = "M14"'],
+        {"connection": {**STUD, "bolt": "M14"}},
+    ),
+    "tube too thin for wide seats": (
+        {"beam": {"profile": "FL 280x120"}, "node": {"kind": "tube"}, "connection": {}},
+        ["node N-", "at least 2 mm", "wall_mm = 16"],
+        {"node": {"kind": "tube", "wall_mm": 16.0}},
+    ),
+    "plates wider than any round bar": (
+        {"beam": {"profile": "FL 280x120"}, "connection": {"kind": "end_plate"}},
+        ["node N-", "series ends at 250 mm", "diameter_mm = 300"],
+        {"node": {"diameter_mm": 300.0}},
+    ),
     "not a flat bar": (
         {"beam": {"profile": "RHS 100x60x4"}, "node": STAR, "connection": TONGUE},
         ["node N-0000, beam B-0000", "only flat bars", 'kind = "end_plate" with round nodes'],

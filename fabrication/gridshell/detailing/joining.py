@@ -106,6 +106,7 @@ def joined_places(
         own_project = project.model_copy(update={"node": node, "connection": joint})
         connection = connections.find(joint.kind).of(own_project)
         own, at = arms.of((of_node == first) & (of_joint == second))
+        _check_kinds(node.kind, joint.kind, int(own.node[0]))
         profile_of = sections.of_edge[own.edge]
         numbers = np.unique(profile_of).tolist()
         if len(numbers) > 1 and connection.discs(sections.profiles[numbers[0]]) is not None:
@@ -135,6 +136,25 @@ def joined_places(
         parts = tuple((joints, connection.fit(joints, size), mine) for joints, mine in each)
         places.append(Place(at, each[0][0], size, second, parts))
     return tuple(places)
+
+
+def _check_kinds(node: str, connection: str, vertex: int) -> None:
+    """Raise where kinds of node and connection are for others; vertex: one of the nodes."""
+    needed, wanted = connections.find(connection).nodes, find(node).only_with
+    where = f"node {node_mark(vertex)} (and others): "
+    if needed and node not in needed:
+        kinds = " or ".join(f'"{kind}"' for kind in needed)
+        raise DetailError(
+            f'{where}[connection] kind = "{connection}" needs [node] kind = {kinds}, not '
+            f'"{node}": it joins beams to their plates\ntake [node] kind = {kinds}, or '
+            f'[connection] kind = "{wanted or "welded"}"'
+        )
+    if wanted not in ("", connection):
+        raise DetailError(
+            f'{where}[node] kind = "{node}" is for [connection] kind = "{wanted}", not '
+            f'"{connection}"\ntake [node] kind = "cylinder" or "tube", or '
+            f'[connection] kind = "{wanted}"'
+        )
 
 
 def _check_tongues(connection: Connection, profiles: list[Profile]) -> None:

@@ -166,10 +166,12 @@ class Connection(ABC):
     ----------
     keys : keys of [connection] that not all kinds have
     summary : what it is, for the order
+    nodes : kinds of nodes that it needs, whose plates it joins; empty: all but those for others
     """
 
     keys: ClassVar[Sequence[str]] = ()
     summary: ClassVar[str] = ""
+    nodes: ClassVar[Sequence[str]] = ()
 
     @classmethod
     @abstractmethod

@@ -23,7 +23,7 @@ from fabrication.gridshell.detailing.connections.base import (
     Joined,
     Mounted,
 )
-from fabrication.gridshell.detailing.connections.threads import check_square
+from fabrication.gridshell.detailing.connections.threads import check_flat, check_square
 from fabrication.gridshell.detailing.frames import beam_mark, node_mark
 from fabrication.parts.beam import CombEnd
 from fabrication.parts.beam.slot import bar_sides
@@ -74,6 +74,7 @@ class Slotted(Connection):
     clearance: float
 
     keys: ClassVar[tuple[str, ...]] = BOLTED
+    nodes: ClassVar[tuple[str, ...]] = ("plates",)
     summary: ClassVar[str] = (
         "the discs of the node in slots across the beam, bolts along the node axis through both"
     )
@@ -105,19 +106,15 @@ class Slotted(Connection):
         return Discs(self.plate, width, STEP * math.ceil(rim / STEP), self.steps, self.size.hole)
 
     def check(self, joints: Joints) -> None:
-        """Look at profile, end cuts and the kind of nodes.
+        """Look at profile and end cuts.
 
         Raises
         ------
         DetailError
             See `Connection.check`.
         """
-        if joints.project.node.kind != "plates":
-            raise DetailError(
-                '[connection] kind = "slotted" needs [node] kind = "plates", not '
-                f'"{joints.project.node.kind}": its discs go into the slots'
-            )
         check_square(joints, "slotted", "a slot for discs")
+        check_flat(joints)
         half, _, _ = bar_sides(joints.profile)
         self._check_washer()
         needed = self._beside()

@@ -31,6 +31,7 @@ from fabrication.gridshell.detailing.connections.threads import (
 )
 from fabrication.gridshell.detailing.frames import beam_mark, listed, node_mark
 from fabrication.parts.beam import StudEnd
+from fabrication.parts.beam.boundary import VERTICAL
 from fabrication.solids.section import distance_to, segments
 from fabrication.specs import Profile
 from fabrication.standards.fasteners import (
@@ -49,6 +50,9 @@ OPENING_STEP: Final = 5.0
 
 CORNER: Final = 5.0
 """Radius [mm] of an opening's corners."""
+
+SIDES: Final = 2
+"""Sides of a solid bar that its opening goes through."""
 
 HANDLE: Final = 0.5
 """Thickness of a spanner's handle, in widths across flats."""
@@ -101,15 +105,17 @@ class Stud(Connection):
         slope = float(np.abs(joints.frames.slope[joints.own]).max())
         found = _misfit(self.size, joints.profile)
         if found:
-            smaller = [s for s in fasteners() if s.diameter < self.size.diameter]
-            fits = [s.size for s in smaller if not _misfit(s, joints.profile, slope)]
-            advice = f'[connection] bolt = "{fits[-1]}"' if fits else 'kind = "welded"'
+            near = sorted(fasteners(), key=lambda m: abs(m.diameter - self.size.diameter))
+            fits = [s.size for s in near if not _misfit(s, joints.profile, slope)]
+            advice = (
+                f'[connection] bolt = "{fits[0]}"' if fits else '[connection] kind = "welded" alone'
+            )
             wide, deep = _least_bar(self.size, slope)
             arms = joints.arms
             raise DetailError(
                 f"node {node_mark(arms.node[0])}, beam {beam_mark(arms.edge[0])} (and all others): "
-                f"{found}\ntake {advice}, or a flat bar [beam] profile = "
-                f'"{least_flat(deep, wide)}" or larger'
+                f"{found}\ntake {advice}, or [beam] profile = "
+                f'"{least_flat(deep, wide)}"'
             )
 
     def fit(self, joints: Joints, size: NodeSize) -> Joined:
@@ -210,6 +216,19 @@ def _misfit(size: Fastener, profile: Profile, slope: float = 0.0) -> str:
         return (
             f"the opening for a spanner of {size.size} is {size.wrench:.1f} mm high, with "
             f"{size.diameter:g} mm left above and below; {profile.name} is {high - low:.6g} mm deep"
+        )
+    reach = 0.5 * _least_bar(size, slope)[1] - size.diameter
+    upright = [
+        s for s in loops[0]
+        if not s.turn
+        and abs(s.u1 - s.u0) <= VERTICAL * abs(s.v1 - s.v0)
+        and min(s.v0, s.v1) < middle - reach
+        and max(s.v0, s.v1) > middle + reach
+    ]  # fmt: skip
+    if len(upright) != SIDES:
+        return (
+            f"the opening for a spanner of {size.size} goes through upright sides, {2 * reach:.1f} "
+            f"mm high about the middle; {profile.name} has {len(upright)} of them, not {SIDES}"
         )
     swing = 2.0 * math.atan2(0.5 * (size.wrench - HANDLE * size.flats), away)
     if swing < wrench_swing():

@@ -71,24 +71,12 @@ SLACK: Final = 1e-6
 """A distance [mm] may fall short by this, so that noise adds no step."""
 
 
-def require_bolts(project: Project, found: object, connection: str) -> None:
-    """Raise `DetailError` unless beams and bolts alone size the nodes.
-
-    Parameters
-    ----------
-    found : what the connection needs of such nodes, or None
-    connection : the kind that they are for
-    """
-    kind = project.node.kind
-    if found is None:
-        raise DetailError(
-            f'[node] kind = "{kind}" is for [connection] kind = "{connection}", not '
-            f'"{project.connection.kind}"'
-        )
+def require_auto(project: Project) -> None:
+    """Raise `DetailError` where the project names the size of nodes that beams and bolts size."""
     if project.node.diameter_mm != "auto":
         raise DetailError(
-            f'the size of nodes of kind "{kind}" follows from beams and bolts: leave [node] '
-            "diameter_mm out"
+            f'the size of nodes of kind "{project.node.kind}" follows from beams and bolts\n'
+            "leave [node] diameter_mm out"
         )
 
 
@@ -108,6 +96,7 @@ class NodeSize(ABC):
     kind : what part numbers, layers and colors of its nodes go by; its role is "node"
     summary : what it is made of, for the order
     welded : whether fillet welds of [connection] weld_mm hold it together
+    only_with : the one kind of connection that it is for; empty: all that name no other nodes
     """
 
     radius: float
@@ -121,6 +110,7 @@ class NodeSize(ABC):
     kind: ClassVar[Kind] = NODE
     summary: ClassVar[str] = ""
     welded: ClassVar[bool] = False
+    only_with: ClassVar[str] = ""
 
     @classmethod
     def joined_by(cls, connection: Connection, profile: Profile) -> type[NodeSize]:

@@ -12,7 +12,7 @@ from ddgfab.mesh import Floats
 from fabrication.gridshell.detailing.arm_room import least_radii
 from fabrication.gridshell.detailing.connections.base import Discs, Joined
 from fabrication.gridshell.detailing.connections.slotted import arm_slopes, axis_levels
-from fabrication.gridshell.detailing.nodes.base import MARK, SLACK, Joints, NodeSize, require_bolts
+from fabrication.gridshell.detailing.nodes.base import MARK, SLACK, Joints, NodeSize, require_auto
 from fabrication.parts.node import ReferenceMark
 from fabrication.parts.spool import SPOOL, SpoolShape
 from fabrication.specs import Kind
@@ -37,6 +37,7 @@ class Plates(NodeSize):
     discs: Discs
 
     kind: ClassVar[Kind] = SPOOL
+    only_with: ClassVar[str] = "slotted"
     summary: ClassVar[str] = (
         "two discs cut from plate, EN 10029, welded all round to a core turned from round bar"
     )
@@ -49,11 +50,11 @@ class Plates(NodeSize):
         Raises
         ------
         DetailError
-            A connection without discs, or a diameter that the project names.
+            A diameter that the project names.
         """
         arms, project = joints.arms, joints.project
         discs = joints.connection.discs(joints.profile)
-        require_bolts(project, discs, "slotted")
+        require_auto(project)
         assert discs is not None
         needs = least_radii(arms, joints.width, project.node.arm_clearance_mm)
         worst = int(needs.argmax())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Final, Self
 
@@ -11,16 +11,15 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from ddgfab.mesh import Floats
-from fabrication.gridshell.detailing.arm_room import arm_width, least_radii
+from fabrication.gridshell.detailing.arm_room import least_radii
 from fabrication.gridshell.detailing.connections.base import Connection, Drilling, Joined
 from fabrication.gridshell.detailing.frames import beam_mark, listed, node_mark
-from fabrication.gridshell.detailing.nodes.advice import forced, middle, rolled
+from fabrication.gridshell.detailing.nodes.advice import forced, middle, rolled, smaller
 from fabrication.gridshell.detailing.nodes.base import Joints, NodeSize
 from fabrication.gridshell.detailing.nodes.hub import Hub, TubeHub
 from fabrication.parts.node import NodeShape, RadialHole, ReferenceMark, Seat
 from fabrication.specs import Profile
 from fabrication.standards import node_diameters
-from fabrication.standards.fasteners import fastener, fasteners
 
 LEAST_WALL: Final = 2.0
 """Steel [mm] that a seat must leave between itself and the bore, or the axis."""
@@ -33,6 +32,12 @@ HOLE_WALL: Final = 3.0
 
 EDGE_OF_BORE: Final = 2.0
 """From the side of a hole into the bore to the widest place of the bore [mm]."""
+
+PAST_STEP: Final = 5.0
+"""Diameters that messages name beyond a series are multiples of this [mm]."""
+
+MOST: Final = 1000.0
+"""How far beyond a series [mm] messages look for a diameter that does."""
 
 MARK: Final = (3.0, 1.0)
 """Diameter and depth [mm] of the reference mark where there is room."""
@@ -80,12 +85,12 @@ class Cylinder(NodeSize):
                 if diameter >= settings.min_diameter_mm and not size.misfit(joints):
                     return size
             why = size.misfit(joints) if size.radius >= needed - RADIUS_SLACK else ""
-            bolt = _smaller(cls, joints)
+            bolt = smaller(cls, joints)
             raise DetailError(
                 f"{forced(arms, worst)}, which needs a diameter of {2 * needed:.1f} mm; the "
                 f"series ends at {series[-1]:g} mm{f', where {why}' * bool(why)}\n"
-                f"take a narrower [beam] profile{f', {bolt}' * bool(bolt)}{middle(joints)} or a "
-                "larger [node] series_mm"
+                f"take {size.beyond(joints)}, a narrower [beam] profile{middle(joints)}"
+                f"{f' or {bolt}' * bool(bolt)}"
             )
         size = cls._of(settings.diameter_mm, needed, int(arms.node[worst]), joints)
         if size.radius < needed - RADIUS_SLACK:
@@ -168,13 +173,26 @@ class Cylinder(NodeSize):
         """What gives the seats and holes of all arms enough room."""
         settings = joints.project.node
         series = sorted(settings.series_mm) or node_diameters(self.series)
-        bolt = _smaller(type(self), joints)
+        bolt = smaller(type(self), joints)
         bolt = f" or {bolt}" if bolt else ""
         for diameter in series:
             size = self._of(diameter, self.needed, self.forced_by, joints)
             if diameter > 2.0 * self.radius and not size.misfit(joints):
                 return f"[node] diameter_mm = {diameter:g}{bolt}"
-        return f"a larger [node] series_mm{bolt}"
+        return f"{self.beyond(joints)}{bolt}"
+
+    def beyond(self, joints: Joints) -> str:
+        """Settings of nodes that are not of the series and have room for all arms."""
+        for diameter in self._past(joints):
+            if not self._of(diameter, self.needed, self.forced_by, joints).misfit(joints):
+                return f"[node] diameter_mm = {diameter:g}"
+        return "arms farther apart"
+
+    def _past(self, joints: Joints) -> Iterator[float]:
+        """Diameters [mm] beyond the series, in steps."""
+        series = sorted(joints.project.node.series_mm) or node_diameters(self.series)
+        first = math.ceil(max(series[-1], 2.0 * self.radius, 2.0 * self.needed) / PAST_STEP)
+        return (PAST_STEP * k for k in range(first, math.ceil(first + MOST / PAST_STEP)))
 
     def _room(self, joints: Joints, drilling: Drilling) -> Floats:
         """(A,) room [mm] for the hole of each arm, before those of its neighbours."""
@@ -290,10 +308,31 @@ class Tube(Cylinder):
         """Another wall, or what does for a cylinder."""
         if self.bore <= 0:
             return f"[node] wall_mm = {math.floor(self.seat - LEAST_WALL)}, or a solid cylinder"
+        return f"[node] wall_mm = {self._enough_wall(joints)}, or {self._enough(joints)}"
+
+    def beyond(self, joints: Joints) -> str:
+        """The thinnest wall with which a diameter of the series does, or one beyond it."""
+        settings = joints.project.node
+        found: list[tuple[int, str]] = []
+        series = sorted(settings.series_mm) or node_diameters(self.series)
+        own = [d for d in series if d >= settings.min_diameter_mm]
+        if settings.diameter_mm != "auto":
+            own = [settings.diameter_mm]
+        for diameter in (*own, *self._past(joints)):
+            past = "" if diameter in own else f"diameter_mm = {diameter:g} with "
+            if past and found:
+                break
+            size = self._of(diameter, self.needed, self.forced_by, joints)
+            wall = size._enough_wall(joints)
+            if not replace(size, wall=wall).misfit(joints):
+                found.append((wall, f"[node] {past}wall_mm = {wall}"))
+        return min(found, default=(0, "arms farther apart"))[1]
+
+    def _enough_wall(self, joints: Joints) -> int:
+        """Wall [mm] that seats and threads need."""
         drilling = joints.connection.drilling(joints.profile)
         behind = LEAST_WALL if drilling is None else max(LEAST_WALL, drilling.thread)
-        wall = math.ceil(self.radius - self.seat + behind)
-        return f"[node] wall_mm = {wall}, or {self._enough(joints)}"
+        return math.ceil(self.radius - self.seat + behind)
 
     def misfit(self, joints: Joints | None = None) -> str:
         """Also where no bore is left."""
@@ -306,25 +345,3 @@ class Tube(Cylinder):
         if drilling is not None and self.bore < drilling.reach + EDGE_OF_BORE:
             return f"a bore of {2 * self.bore:.1f} mm is too narrow for the holes of an arm"
         return super().misfit(joints)
-
-
-def _smaller(kind: type[Cylinder], joints: Joints) -> str:
-    """What helps beside a narrower profile where bolts make the seats wide, or need depth."""
-    drilling, node = joints.connection.drilling(joints.profile), joints.project.node
-    if drilling is None:
-        return ""
-    given = node.diameter_mm
-    series = sorted(node.series_mm) or list(node_diameters(kind.series))
-    bare = arm_width(joints.frames, joints.profile, joints.project)
-    for size in reversed(fasteners()):
-        if size.diameter >= fastener(drilling.size).diameter:
-            continue
-        other = joints.connection.of_size(size)
-        width = max(bare, other.arm_width(joints.profile))
-        trial = replace(joints, connection=other, width=width)
-        needed = float(least_radii(joints.arms, width, node.arm_clearance_mm).max())
-        sizes = (kind._of(d, needed, 0, trial) for d in (series if given == "auto" else [given]))
-        if any(not found.misfit(trial) for found in sizes):
-            return f'[connection] bolt = "{size.size}"'
-    wall = " with a thicker [node] wall_mm" * (kind.series == "tube")
-    return f"a smaller [connection] bolt{wall}"

@@ -11,7 +11,7 @@ import numpy as np
 from ddgfab.mesh import Floats
 from fabrication.gridshell.detailing.arm_room import least_radii
 from fabrication.gridshell.detailing.connections.base import Joined, Tongue
-from fabrication.gridshell.detailing.nodes.base import MARK, SLACK, Joints, NodeSize, require_bolts
+from fabrication.gridshell.detailing.nodes.base import MARK, SLACK, Joints, NodeSize, require_auto
 from fabrication.parts.node import ReferenceMark
 from fabrication.parts.star import STAR, StarShape, TongueHole
 from fabrication.specs import Kind
@@ -53,6 +53,7 @@ class Star(NodeSize):
     length: float
 
     kind: ClassVar[Kind] = STAR
+    only_with: ClassVar[str] = "bolted_tongue"
     summary: ClassVar[str] = (
         "plates, EN 10029, welded to each other at the axis with full penetration, or milled from "
         "one piece"
@@ -65,11 +66,11 @@ class Star(NodeSize):
         Raises
         ------
         DetailError
-            A connection without tongues, or a diameter that the project names.
+            A diameter that the project names.
         """
         arms, project = joints.arms, joints.project
         tongue = joints.connection.tongue(joints.profile)
-        require_bolts(project, tongue, "bolted_tongue")
+        require_auto(project)
         assert tongue is not None
         cut, worst = farthest(joints, tongue)
         needs = least_radii(arms, joints.width, project.node.arm_clearance_mm)
