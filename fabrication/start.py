@@ -10,6 +10,14 @@ from fabrication.processes import TOO_LITTLE, too_little
 LEAST_MB = 512
 """Address space [MB] without which numpy and scipy cannot be loaded, and more than they take."""
 
+THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+"""Threads of the libraries behind numpy: one unless the user says otherwise.
+
+Matrices are small here: beside other work the threads wait for each other, and a step of `optimize`
+takes ten times as long. Parallel work is in processes. With one thread the results are the same
+whatever the number of cores.
+"""
+
 BAD_INPUT = 2
 """Exit code, as in `fabrication.cli.terminal`."""
 
@@ -18,6 +26,8 @@ def main() -> None:
     """Run the console script `ddgfab`, also where only the geometry is installed."""
     _open_closed_streams()
     _require_memory()
+    for name in THREADS:
+        os.environ.setdefault(name, "1")  # read when numpy is loaded
     try:
         from fabrication.cli import main as run
 

@@ -84,9 +84,11 @@ short. Long steps that hardly pay are the way round a bend of the equations, a h
 end there; a start on the way has the bend behind it."""
 _COARSE = 1e-3
 """Tolerances from this on are not undercut: the path goes back to where they are met."""
-_STIFF = 1e9
-"""Penalty of the polish."""
-_POLISH, _HALVINGS = 8, 12
+_STIFF, _STIFFER, _STIFFEST = 1e9, 30.0, 1e13
+"""Penalty of the polish; after a step that left much, times this, up to this. Where equations
+depend on each other, as those of closed meshes do, the first one leaves half of the violation."""
+_POLISH, _MUCH, _HALVINGS = 12, 0.1, 12
+"""Steps of the polish, the part of the violation that is much, and how often one is halved."""
 _ROOT_STEPS, _ROOT_WIDTH = 40, 1e-13
 """Steps and accuracy of the search for where the tolerance is met."""
 
@@ -178,23 +180,26 @@ class _Walker:
     def polish(self) -> bool:
         """Meet the equations to the tolerance by shortest steps; undone where it fails."""
         start, count = self.x, len(self.history)
+        left, stiffness = self.violation(start), _STIFF
         for _ in range(_POLISH):
-            if self.violation(self.x) <= self.options.tolerance:
-                return True
-            if not self._polish_step():
+            before = left
+            if left <= self.options.tolerance or not self._polish_step(stiffness):
                 break
-        if self.violation(self.x) <= self.options.tolerance:
+            left = self.violation(self.x)
+            if left > _MUCH * before:
+                stiffness = min(_STIFFER * stiffness, _STIFFEST)
+        if left <= self.options.tolerance:
             return True
         self.x = start
         del self.history[count:]
         return False
 
-    def _polish_step(self) -> bool:
+    def _polish_step(self, stiffness: float) -> bool:
         merit = self.merit
         merit.freeze(self.x)
         model = merit.model(self.x)
-        stiff = model.hessian + _STIFF * (model.lines.T @ model.lines)
-        move = self._solved(stiff, -_STIFF * (model.lines.T @ model.values))
+        stiff = model.hessian + stiffness * (model.lines.T @ model.lines)
+        move = self._solved(stiff, -stiffness * (model.lines.T @ model.values))
         if move is None:
             return False
         longest = merit.longest(move)
@@ -254,8 +259,12 @@ def follow(
         if taken == 0 and walker.damping > _GIVE_UP:
             break
         rho *= chosen.growth if taken > 2 else 2 * chosen.growth
-    value = walker.x if status == "converged" else min(ends, key=lambda e: e.violation).x
-    return Path(value, status, tuple(walker.history), tuple(ends))
+    if status == "missed":
+        walker.x = min(ends, key=lambda e: e.violation).x
+        if walker.polish():  # seldom from so far away
+            ends.append(Waypoint(np.inf, violation(walker.x), walker.x))
+            status = "converged"
+    return Path(walker.x, status, tuple(walker.history), tuple(ends))
 
 
 @checked

@@ -30,6 +30,35 @@ main()
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.parametrize(("given", "used"), [(None, "1"), ("3", "3")])
+def test_numbers_take_one_thread_unless_the_user_says_otherwise(
+    given: str | None, used: str
+) -> None:
+    """It has to be said before numpy is loaded."""
+    program = """
+import os, sys
+import fabrication.start
+assert "numpy" not in sys.modules
+sys.modules["typer"] = None
+try:
+    fabrication.start.main()
+except SystemExit:
+    print(os.environ["OPENBLAS_NUM_THREADS"])
+"""
+    environment = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")}
+    if given is not None:
+        environment["OPENBLAS_NUM_THREADS"] = given
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == used
+
+
 @pytest.mark.skipif(os.name != "posix", reason="limits on memory are POSIX's")
 def test_too_little_memory_to_begin_is_one_message() -> None:
     """Below it, the libraries of numbers crash or hang as they are loaded."""
