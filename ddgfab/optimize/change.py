@@ -12,7 +12,7 @@ from ddgfab.measures import dihedral_angles, interior_angles
 from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.problem import mean_edge
 from ddgfab.optimize.quality import folded_faces, reflex_faces, zigzag
-from ddgfab.optimize.surface import SmoothSurface
+from ddgfab.optimize.surface import SmoothSurface, beyond
 
 _QUAD: Final = 4
 _FLAT: Final = 1e-2
@@ -56,7 +56,8 @@ class Change:
     @cached_property
     def _both(self) -> tuple[tuple[float, float], tuple[float, float]]:
         away = distances(self.after, self.reference)
-        back = distances(self.reference, self.after)
+        within = None if self.reference is self.before else self.before
+        back = distances(self.reference, self.after, within)
         return away, back
 
     @property
@@ -177,11 +178,15 @@ class Change:
         return folded_faces(self.after, self.before)
 
 
-def distances(one: Mesh, other: Mesh) -> tuple[float, float]:
+def distances(one: Mesh, other: Mesh, within: Mesh | None = None) -> tuple[float, float]:
     """Mean and greatest distance of the faces of a mesh from another mesh.
 
     Sampled at vertices, edge midpoints and face centroids; the mean is weighted by area (linear
     interpolation between the samples of each face).
+
+    Parameters
+    ----------
+    within : samples off the boundary of this mesh do not count, as where a surface is larger
     """
     sizes = one.face_sizes
     ends = one.vertices[one.corners], one.vertices[one.corners[one.corner_next]]
@@ -198,7 +203,13 @@ def distances(one: Mesh, other: Mesh) -> tuple[float, float]:
             np.bincount(one.corner_face, area / 3, one.n_faces),
         ]
     )
-    far = SmoothSurface(other).distance(np.concatenate([one.vertices[used], middles, centers]))
+    points = np.concatenate([one.vertices[used], middles, centers])
+    if within is not None:
+        inside = ~beyond(within, points)
+        points, weights = points[inside], weights[inside]
+    if not len(points):
+        return 0.0, 0.0
+    far = SmoothSurface(other).distance(points)
     total = max(float(weights.sum()), np.finfo(float).tiny)
     return float(far @ weights) / total, float(far.max())
 

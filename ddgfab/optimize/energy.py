@@ -16,6 +16,7 @@ from ddgfab.mesh import Floats, Ints, Mesh
 from ddgfab.optimize.rim import rim_corners
 from ddgfab.optimize.surface import RimCurve, SmoothSurface
 from ddgfab.optimize.terms.base import LinearTerm, VectorTerm
+from ddgfab.optimize.terms.cover import Covered, covered
 from ddgfab.optimize.terms.edges import Lengths, edge_stretch
 from ddgfab.optimize.terms.nearness import NearRim, NearSurface
 from ddgfab.optimize.terms.shape import closeness, edge_differences, fair_movement, fair_rim
@@ -23,16 +24,18 @@ from ddgfab.optimize.terms.shape import closeness, edge_differences, fair_moveme
 Keep: TypeAlias = Literal["close", "balanced", "fair"]
 """What a design keeps rather: its surface, or the smoothness of its faces."""
 
-EnergyTerm: TypeAlias = VectorTerm | LinearTerm | Lengths | NearSurface | NearRim
+EnergyTerm: TypeAlias = VectorTerm | LinearTerm | Lengths | NearSurface | Covered | NearRim
 """A term of the energy."""
 
 KEEP: Final[dict[Keep, float]] = {"close": 0.2, "balanced": 0.33, "fair": 0.5}
 """Wavelength from which movements along the normal cost distance rather than bending, as part of
 the width of the mesh (the square root of its area)."""
 
-_NEAR, _SLIDE, _STRAIN, _RIM, _CORNER = 1.0, 0.002, 0.02, 3.0, 5.0
-"""Sliding and shear are cheap: where edges do not follow conjugate directions they have to turn in
-the surface, and what is not allowed to slide leaves the surface or creases instead."""
+_NEAR, _COVER, _SLIDE, _STRAIN, _RIM, _CORNER = 1.0, 1.0, 0.002, 0.02, 3.0, 5.0
+"""Distances count from the mesh to the surface and back: with the vertices alone, a mesh would
+slide off a flank and cut it off. Sliding and shear are cheap: where edges do not follow conjugate
+directions they have to turn in the surface, and what may not slide leaves the surface or creases.
+"""
 FREE_CORNER: Final = 2.0
 """Weight of corners of the boundary for goals whose directions the surface alone decides: a net of
 curvature lines cannot run from corner to corner."""
@@ -75,6 +78,7 @@ class Weights:
     """Weights of the energy, for a mesh whose mean edge is one."""
 
     near: float = _NEAR
+    cover: float = _COVER
     slide: float = _SLIDE
     strain: float = _STRAIN
     fair: float = 1.0
@@ -127,7 +131,7 @@ class Weights:
 def energy(
     mesh: Mesh,
     weights: Weights,
-    surface: SmoothSurface | None = None,
+    surface: Mesh | None = None,
     features: Ints | None = None,
     rim: Mesh | None = None,
 ) -> tuple[EnergyTerm, ...]:
@@ -141,13 +145,15 @@ def energy(
         is laid on the surface unless the boundary glides
     """
     used = np.flatnonzero(mesh.valences > 0)
+    smooth = SmoothSurface(mesh if surface is None else surface)
     outer = np.flatnonzero(mesh.boundary_vertex)
     terms: list[EnergyTerm] = [
         NearSurface(
-            surface=SmoothSurface(mesh) if surface is None else surface,
+            surface=smooth,
             vertices=used,
             weight=weights.near,
         ),
+        covered(mesh, surface, weight=weights.cover),
         closeness(mesh, weight=weights.slide),
         _strain(mesh, weights.strain),
         edge_stretch(mesh, EASY_STRETCH, weight=weights.stretch),
@@ -156,7 +162,7 @@ def energy(
     if len(outer):
         laid = mesh
         if surface is not None and weights.rim < _GLIDE:
-            foot, normal = surface.closest(mesh.vertices)
+            foot, normal = smooth.closest(mesh.vertices)
             height = np.einsum("vx,vx->v", foot - mesh.vertices, normal)
             laid = mesh.with_vertices(mesh.vertices + height[:, None] * normal)
         curve = RimCurve(laid if rim is None else rim)

@@ -234,7 +234,7 @@ class _Task:
     ) -> Problem:
         """The frame of all goals, with pieces near their shapes, which are unknown as well."""
 
-        def additions(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Additions:
+        def additions(mesh: Mesh, layout: Layout) -> Additions:
             return Additions(
                 tuple(
                     near_shapes(group, found, layout.block(f"shapes {k}").start, away, width)

@@ -2,8 +2,8 @@
 
 The movement dx that would meet the linearized equations at least energy. Its part along the normal
 is what the surface will be left by: edges that can turn in the surface until they follow conjugate
-directions leave it by little, the others by a tenth of an edge or more, and then they crease or
-flatten it.
+directions leave it by little, the others by a thirteenth of an edge or more, and then they crease
+or flatten it.
 
 Source: mathematics.md 1.3: planar quads are conjugate nets.
 """
@@ -24,10 +24,10 @@ from ddgfab.optimize.result import Forecast
 _STIFF: Final = 1e7
 _DAMPING: Final = 1e-8
 
-HARMLESS: Final = 0.06
+HARMLESS: Final = 0.045
 """Below this mean distance [mean edges] edges follow conjugate directions well enough: all results
 measured were smooth."""
-CREASES: Final = 0.1
+CREASES: Final = 0.075
 """Above this mean distance [mean edges] creases or flattened parts are to be expected."""
 
 

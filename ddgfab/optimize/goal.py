@@ -15,7 +15,7 @@ from ddgfab.optimize.energy import Keep, Weights, energy
 from ddgfab.optimize.problem import Barrier, Following, Layout, Problem, Term
 from ddgfab.optimize.result import OptimizeResult
 from ddgfab.optimize.rim import Constraints
-from ddgfab.optimize.surface import SmoothSurface
+from ddgfab.optimize.terms.cover import Covered
 from ddgfab.optimize.terms.nearness import NearRim, NearSurface
 from ddgfab.optimize.terms.planarity import Planarity
 from ddgfab.optimize.within import movement_within
@@ -33,7 +33,7 @@ class Additions:
     barriers: tuple[Barrier, ...] = ()
 
 
-def _nothing(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Additions:
+def _nothing(mesh: Mesh, layout: Layout) -> Additions:
     return Additions()
 
 
@@ -53,7 +53,7 @@ class NetGoal:
     weights : weights of the energy -> those of this goal
     still : vertices stay; only the other unknowns are found
     blocks : mesh -> (count, width) first values of unknowns besides the vertices, by name
-    additions : mesh, layout, surface to stay near to (None: the mesh) -> what the energy also has
+    additions : mesh, layout -> what the energy also has
     result : what is made of the fields of an `OptimizeResult` and those of `own`
     own : problem, unknowns found -> further fields of the result
     easier : an option, name and value, that asks less; None: there is none
@@ -69,7 +69,7 @@ class NetGoal:
     weights: Callable[[Weights], Weights] = lambda weights: weights
     still: bool = False
     blocks: Callable[[Mesh], Mapping[str, Floats]] = lambda mesh: {}
-    additions: Callable[[Mesh, Layout, Mesh | None], Additions] = _nothing
+    additions: Callable[[Mesh, Layout], Additions] = _nothing
     result: Callable[..., OptimizeResult] = OptimizeResult
     own: Callable[[Problem, Floats], Mapping[str, Any]] = lambda problem, x: {}
     easier: tuple[str, object] | None = None
@@ -130,11 +130,10 @@ def net_problem(
     problem = Problem.build(mesh, blocks=goal.blocks(mesh), fixed=fixed)
     if weights is None:
         weights = weights_of(mesh, goal, keep, given)
-    smooth = None if surface is None else SmoothSurface(surface)
-    kept = energy(mesh, weights, smooth, features, rim)
-    following: list[Following] = [t for t in kept if isinstance(t, NearSurface | NearRim)]
-    soft: list[Term] = [t for t in kept if not isinstance(t, NearSurface | NearRim)]
-    additions = goal.additions(mesh, problem.layout, surface)
+    kept = energy(mesh, weights, surface, features, rim)
+    following: list[Following] = [t for t in kept if isinstance(t, NearSurface | Covered | NearRim)]
+    soft: list[Term] = [t for t in kept if not isinstance(t, NearSurface | Covered | NearRim)]
+    additions = goal.additions(mesh, problem.layout)
     bounds = [*barriers(mesh), *additions.barriers]
     if movement is not None:
         bounds.append(movement_within(mesh, problem.layout, movement))

@@ -60,7 +60,7 @@ class Forecast:
     ----------
     unit : mean edge
     distance_mean : expected mean distance from the surface, in the unit of the mesh; true within a
-        factor of two on the meshes it was measured on, above 0.1 mean edges with creases or
+        factor of two on the meshes it was measured on, above 0.075 mean edges with creases or
         flattened parts
     movement_mean : expected mean movement, overestimated up to 2.5 times
     stretch : greatest change of an edge over its length, overestimated where vertices slide far

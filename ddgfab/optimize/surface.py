@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ddgfab.mesh import Floats, Mesh, unit
 from ddgfab.optimize.terms.closest import SegmentTree, TriangleTree
 
+_ON: Final = 1e-6
+"""Parts of a triangle, or of the mean edge, up to which a point is on a side."""
 _LIFT: Final = 0.6
 """How far nearest points are lifted from the flat triangles towards the Phong surface, 0 to 1."""
 
@@ -22,6 +25,20 @@ def fans(mesh: Mesh) -> Floats:
     centers = np.add.reduceat(mesh.vertices[mesh.corners], mesh.face_start[:-1]) / sizes
     ends = mesh.vertices[mesh.corners], mesh.vertices[mesh.corners[mesh.corner_next]]
     return np.stack([centers[mesh.corner_face], *ends], axis=1)
+
+
+def beyond(mesh: Mesh, points: Floats) -> NDArray[np.bool_]:
+    """(n,) which points lie off the boundary of a mesh: those nearest to it, but not on it."""
+    if not mesh.boundary_edge.any():
+        return np.zeros(len(points), dtype=bool)
+    tree = TriangleTree(fans(mesh))
+    foot, corner = tree.nearest(points)
+    part = barycentric(foot, tree.shapes[corner])
+    on_edge = mesh.boundary_edge[mesh.corner_edge[corner]] & (part[:, 0] < _ON)
+    ends = mesh.corners[np.stack([corner, mesh.corner_next[corner]], axis=1)]
+    at_end = (mesh.boundary_vertex[ends] & (part[:, 1:] > 1 - _ON)).any(axis=1)
+    away = np.linalg.norm(points - foot, axis=1) > _ON * mesh.edge_lengths.mean()
+    return np.asarray((on_edge | at_end) & away)
 
 
 class SmoothSurface:

@@ -4,8 +4,8 @@ On a mesh as it is, torsion-free axes may have to lean far (`ddgfab.support.even
 turn away from the principal directions. Here the vertices move as well, near the surface, in the
 frame of all goals: node axes are further unknowns of length one, equations are the planarity of
 faces and det(e, a_i, a_j) of edges, axes are drawn to the vertex normals, and a barrier keeps their
-lean below a limit. Vertices slide far in this goal, so the surface is tied to the mesh as well
-(`ddgfab.optimize.terms.cover`).
+lean below a limit. Vertices slide far in this goal, so the surface's distance from the mesh weighs
+more (`ddgfab.optimize.terms.cover`).
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from ddgfab.optimize.problem import Layout, Problem, Term
 from ddgfab.optimize.result import WORST, OptimizeResult
 from ddgfab.optimize.terms import planarity_terms
 from ddgfab.optimize.terms.axes import AXES, AxisLean, axis_torsion, unit_axes
-from ddgfab.optimize.terms.cover import covered
 from ddgfab.optimize.within import lean_within
 from ddgfab.support.nearest_axes import torsion_free_axes
 from ddgfab.support.structure import SupportStructure
@@ -126,7 +125,7 @@ def _with_limit(lean: float, *, axes_only: bool = False) -> NetGoal:
         check=_refuse,
         blocks=partial(_first_axes, max_lean=lean),
         additions=partial(_additions, max_lean=lean),
-        weights=_smoother,
+        weights=_weights,
         still=axes_only,
         result=TorsionFreeResult,
         own=_axes,
@@ -134,9 +133,9 @@ def _with_limit(lean: float, *, axes_only: bool = False) -> NetGoal:
     )
 
 
-def _smoother(weights: Weights) -> Weights:
+def _weights(weights: Weights) -> Weights:
     factor, least = _SMOOTHER
-    return replace(weights, fair=max(factor * weights.fair, least))
+    return replace(weights, cover=_COVER, fair=max(factor * weights.fair, least))
 
 
 def _torsion(mesh: Mesh, layout: Layout) -> tuple[Term, ...]:
@@ -147,11 +146,10 @@ def _planar_and_torsion(mesh: Mesh, layout: Layout) -> tuple[Term, ...]:
     return (*planarity_terms(mesh), *_torsion(mesh, layout))
 
 
-def _additions(mesh: Mesh, layout: Layout, surface: Mesh | None, max_lean: float) -> Additions:
+def _additions(mesh: Mesh, layout: Layout, max_lean: float) -> Additions:
     return Additions(
         (AxisLean(mesh=mesh, layout=layout, weight=_UPRIGHT),),
-        (covered(mesh, surface, weight=_COVER),),
-        (lean_within(mesh, layout, max_lean),),
+        barriers=(lean_within(mesh, layout, max_lean),),
     )
 
 

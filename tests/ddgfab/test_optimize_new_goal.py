@@ -108,7 +108,7 @@ def test_a_line_in_the_table_gives_it_a_name(monkeypatch: pytest.MonkeyPatch) ->
 def test_additions_of_a_goal_are_in_the_energy() -> None:
     """Faces planar and, as a soft term alone, diagonals equal: nearer to equal than without."""
 
-    def softly(mesh: Mesh, layout: Layout, surface: Mesh | None) -> Additions:
+    def softly(mesh: Mesh, layout: Layout) -> Additions:
         (term,) = equal_diagonals(mesh, layout)
         assert isinstance(term, DiagonalDifferences)
         soft: Any = DiagonalDifferences(name="soft", index=term.index, weight=10.0)

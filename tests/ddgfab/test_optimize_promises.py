@@ -173,14 +173,35 @@ def test_edges_that_slide_keep_near_their_lengths(monkeypatch: pytest.MonkeyPatc
     held = optimize(mesh).change
     assert held.edge_ratio[1] < 1.55
     assert held.edge_stretch[2] < 1.4
-    monkeypatch.setattr(Weights, "of", staticmethod(partial(_without_stretch, Weights.of)))
+    monkeypatch.setattr(Weights, "of", staticmethod(partial(_without, "stretch", Weights.of)))
     loose = optimize(mesh).change
     assert loose.edge_ratio[1] > held.edge_ratio[1] + 0.1
     assert held.distance_mean < loose.distance_mean + 0.02 * held.edge
 
 
-def _without_stretch(of: Callable[..., Weights], *args: object, **options: object) -> Weights:
-    return replace(of(*args, **options), stretch=0.0)
+def _without(weight: str, of: Callable[..., Weights], *args: object, **options: object) -> Weights:
+    return replace(of(*args, **options), **{weight: 0.0})
+
+
+def test_flanks_are_not_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Vertices that slide stay near the surface; points of the surface hold the mesh between."""
+    mesh = roof(20, 12, rise=0.8)
+    held = optimize(mesh, boundary="glide", throw=False).change
+    monkeypatch.setattr(Weights, "of", staticmethod(partial(_without, "cover", Weights.of)))
+    loose = optimize(mesh, boundary="glide", throw=False).change
+    assert held.distance_mean < 0.9 * loose.distance_mean
+    assert held.distance_back[1] < loose.distance_back[1]
+
+
+def test_a_surface_may_be_larger_than_the_mesh() -> None:
+    """What lies beyond its boundary neither draws it nor counts as left bare."""
+    whole = dome(12)
+    points = whole.vertices.reshape(13, 13, 3)
+    part = grid_mesh(points[3:10, 3:10])
+    change = optimize(part, surface=whole).change
+    rim = part.boundary_vertex
+    assert change.movement[rim].mean() < 0.6 * change.edge
+    assert change.from_surface.max() < 0.1 * change.edge
 
 
 def test_stretched_edges_are_beyond_the_limits() -> None:

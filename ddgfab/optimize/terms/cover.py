@@ -8,14 +8,18 @@ point from its nearest point of the mesh as it is now, along the normal of the s
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from ddgfab.mesh import Floats, Mesh
-from ddgfab.optimize.surface import barycentric, fans
+from ddgfab.mesh import Floats, Ints, Mesh
+from ddgfab.optimize.surface import barycentric, beyond, fans
 from ddgfab.optimize.terms.base import LinearTerm
 from ddgfab.optimize.terms.closest import TriangleTree
+
+_MOST: Final = 4
+"""Points for each vertex: more cost time and say nothing new."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,12 +71,23 @@ class Covered:
 
 
 def covered(mesh: Mesh, surface: Mesh | None = None, *, weight: float = 1.0) -> Covered:
-    """The vertices of a surface, by default of the mesh as it is, near the mesh as it moves."""
-    given = mesh if surface is None else surface
-    used = np.flatnonzero(given.valences > 0)
+    """The vertices of a surface, by default of the mesh as it is, near the mesh as it moves.
+
+    However many they are, together they weigh as much as the vertices of the mesh would. Those off
+    the boundary of the mesh do not ask for it: a surface may be larger.
+    """
+    used = np.flatnonzero(mesh.valences > 0)
+    given, points = (mesh, used) if surface is None else (surface, _over(mesh, surface, len(used)))
     return Covered(
         mesh=mesh,
-        points=given.vertices[used],
-        normals=given.vertex_normals[used],
-        weight=weight,
+        points=given.vertices[points],
+        normals=given.vertex_normals[points],
+        weight=weight * len(used) / max(len(points), 1),
     )
+
+
+def _over(mesh: Mesh, surface: Mesh, count: int) -> Ints:
+    """Vertices of a surface over the mesh, at most about `_MOST` times the count."""
+    there = np.flatnonzero(surface.valences > 0)
+    there = there[~beyond(mesh, surface.vertices[there])]
+    return np.asarray(there[:: max(1, len(there) // (_MOST * count))])
