@@ -27,9 +27,10 @@ from ddgfab.optimize.limits import Limits, ids
 from ddgfab.optimize.nested import LEAST_FACES, begun, nested_start, onward
 from ddgfab.optimize.panes import pane_lengths
 from ddgfab.optimize.path import Path, PathOptions, Waypoint, follow
-from ddgfab.optimize.problem import VERTICES, Problem, Term
+from ddgfab.optimize.problem import VERTICES, Problem, Term, mean_edge
 from ddgfab.optimize.result import Forecast, OptimizeResult, Price, Progress, Step
 from ddgfab.optimize.rim import Boundary, Constraints, impossible_faces
+from ddgfab.optimize.surface import SmoothSurface
 from ddgfab.optimize.terms.nearness import NearSurface
 from ddgfab.optimize.wishes import Wishes
 
@@ -41,6 +42,9 @@ _AIM: Final = 0.995
 
 _COARSEST: Final = 0.1
 """Price lists begin at this violation."""
+
+_ELSEWHERE: Final = 5.0
+"""Meshes further from their surface [mean edges] have another unit, or are of another place."""
 
 _FORECAST_FACES: Final = 20_000
 """Up to this number of faces the forecast is made before solving; beyond it costs as much as a
@@ -103,9 +107,11 @@ def reach(
     OptimizeError
         Faces whose fixed corners are not coplanar.
     InputError
-        An id out of range, an unknown option.
+        An id out of range, an unknown option, a surface that is elsewhere.
     """
     goal.check(mesh)
+    if surface is not None:
+        _refuse_far(mesh, surface)
     frame = Frame.of(mesh)
     small = frame.inside(mesh)
     task = _Task(
@@ -246,6 +252,18 @@ class _Task:
             surface=surface,
             pane=self.limits.pane,
             **self.goal.own(problem, x),
+        )
+
+
+def _refuse_far(mesh: Mesh, surface: Mesh) -> None:
+    """Raise where a surface to stay near to is nowhere near."""
+    far = SmoothSurface(surface).distance(mesh.vertices[mesh.valences > 0])
+    edges = float(far.mean()) / mean_edge(mesh)
+    if edges > _ELSEWHERE:
+        raise InputError(
+            f"the surface to stay near to is {far.mean():.4g} from the mesh on average "
+            f"({edges:.3g} mean edges, limit {_ELSEWHERE:g}), {far.max():.4g} at most: bring both "
+            "to one place and one unit"
         )
 
 

@@ -42,6 +42,8 @@ def write_missed(
     run.fail("FAILED " + "\n".join(lines))
     if not isinstance(error.result, OptimizeResult):  # refused before solving
         run.fail(f"{target} was not written")
+        if command.settings.get("boundary", "free") != "free":
+            run.fail(f"next: {command.text({'boundary': 'free'})}")
         return
     best = target.with_name(f"{target.stem}.missed.obj")
     mesh = error.result.mesh
@@ -89,15 +91,20 @@ def untraceable(error: DdgError, mesh: Mesh, command: Command, progress: Progres
     It accepts what a run on them is like: other edges are not to be had.
     """
     from ddgfab.errors import OptimizeError
-    from ddgfab.optimize.directions import TRACE
+    from ddgfab.optimize import OptimizeResult
+    from ddgfab.optimize.directions import TRACE, accepted
     from fabrication.gridshell.load import make_project
-    from fabrication.gridshell.optimized import optimized_mesh
+    from fabrication.gridshell.optimized import limits_of, optimized_mesh
 
     changed: dict[str, object] = {}
+    settings = make_project({"optimize": command.settings}).optimize
     try:
-        optimized_mesh(mesh, make_project({"optimize": command.settings}).optimize, progress)
+        optimized_mesh(mesh, settings, progress)
     except OptimizeError as missed:
         advice = getattr(missed.result, "advice", ())
+        if isinstance(missed.result, OptimizeResult) and advice and advice[0][0] == "keep":
+            # what "keep" leads to next is the net that cannot be traced
+            advice = accepted(missed.result, limits_of(settings)) or advice
         changed = dict(_setting(*one) for one in advice if one[0] != TRACE)
         if not changed:
             return type(error)(f"{error}\non its own edges the mesh is missed as well: {missed}")
@@ -128,6 +135,7 @@ class Command:
         settings: dict[str, Any],
         *,
         anew: bool,
+        surface: Path | None = None,
     ) -> None:
         self.begin = ["ddgfab", "optimize", str(source)]
         if output is not None:
@@ -135,7 +143,7 @@ class Command:
         self.source, self.reading = source, reading
         self.placed = Reading(reading.units, reading.scale).arguments()
         self.begin += reading.arguments()
-        self.anew = anew
+        self.anew, self.surface = anew, surface
         self.settings = settings
 
     def traced(self, spacing: object) -> str:
@@ -155,6 +163,8 @@ class Command:
         from fabrication.project.toml import argument_text
 
         arguments = [*self.begin, *(["--retrace"] if self.anew else [])]
+        if self.surface is not None:
+            arguments += ["--surface", str(self.surface)]
         for key, value in {**self.settings, **changed}.items():
             if key == "goal" and value == PLANAR:
                 continue

@@ -118,9 +118,10 @@ def optimize_command(
     (OUTPUT.json: distance from the surface both ways, rise, creases, movement, what less flat faces
     would cost, every measure before and after) and a picture of distance and creases. Where the
     goal is missed, or the result is no longer the design (mean distance 0.25, greatest 1 mean edge,
-    new reflex corners, folds), the best mesh is written to OUTPUT.missed.obj, with the next
-    command to try, and nothing else is written; the exit code is 1. Settings are those of
-    [optimize]: `--set optimize.distance_limit_edges=[0.5, 2]`.
+    a fifth of the rise lost, crumpled, stretched, new reflex corners, folds), the best mesh is
+    written to OUTPUT.missed.obj, with the next command to try, and nothing else is written; the
+    exit code is 1. Settings are those of [optimize]: `--set optimize.distance_limit_edges=[0.5,
+    2]`.
     """
     with session(debug, quiet, verbose) as run:
         run.progress("mesh", 0, 0)
@@ -156,7 +157,7 @@ def optimize_command(
         check_target(target)
         _describe(run, settings)
         start = _start(run, own, surface, anew=anew)
-        missed = Command(source, output, own.reading, given, anew=anew)
+        missed = Command(source, output, own.reading, given, anew=anew, surface=surface)
         result = _optimized(run, start, settings, missed, target, debug=debug)
         _write(run, target, start, result, picture=picture, as_json=as_json)
 

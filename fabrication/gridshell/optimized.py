@@ -6,7 +6,7 @@ import math
 from typing import Any, cast
 
 from ddgfab.mesh import Mesh
-from ddgfab.optimize import Goal, OptimizeResult, optimize
+from ddgfab.optimize import Goal, Limits, OptimizeResult, optimize
 from fabrication.gridshell.net_settings import OptimizeSettings
 from fabrication.progress import Progress, silent
 
@@ -35,7 +35,7 @@ def optimized_mesh(
         A vertex to be fixed that the mesh does not have.
     """
     report = progress or silent
-    angle = settings.feature_angle_deg
+    angle, limits = settings.feature_angle_deg, limits_of(settings)
     return optimize(
         mesh,
         cast(Goal, settings.goal),
@@ -47,9 +47,9 @@ def optimized_mesh(
         feature_angle=None if angle is None else math.radians(angle),
         max_movement=settings.max_movement_mm,
         distance_limit=settings.distance_limit_edges,
-        rise_limit=settings.rise_limit_percent / 100,
-        zigzag_limit=math.radians(settings.zigzag_limit_deg),
-        stretch_limit=settings.stretch_limit_percent / 100,
+        rise_limit=limits.rise,
+        zigzag_limit=limits.zigzag,
+        stretch_limit=limits.stretch,
         max_pane=settings.max_pane_mm,
         rim=rim,
         diagonals=settings.diagonals,
@@ -58,6 +58,16 @@ def optimized_mesh(
         equal_weight=settings.equal_weight,
         **_own_options(settings),
         progress=lambda stage, number, step: report(f"optimize: {stage}", number, 0),
+    )
+
+
+def limits_of(settings: OptimizeSettings) -> Limits:
+    """What a result may cost."""
+    return Limits.given(
+        settings.distance_limit_edges,
+        rise=settings.rise_limit_percent / 100,
+        zigzag=math.radians(settings.zigzag_limit_deg),
+        stretch=settings.stretch_limit_percent / 100,
     )
 
 

@@ -133,6 +133,48 @@ def test_impossible_boundary_names_faces(tmp_path: Path) -> None:
     assert "1 faces cannot be planar" in said
     assert "faces 0" in said
     assert not (tmp_path / "out.obj").exists()
+    (command,) = [line for line in said.splitlines() if line.startswith("next: ")]
+    code, said = run(
+        *shlex.split(command)[2:], "--no-picture", "--set", "optimize.rise_limit_percent=0"
+    )
+    assert code == 0, said
+
+
+def test_a_surface_that_is_elsewhere_is_refused(roof: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.obj"
+    mesh = read_mesh(roof).mesh
+    write_mesh(other, mesh.with_vertices(mesh.vertices + np.array([9000.0, 0, 20000])))
+    code, said = run("optimize", roof, "--surface", other)
+    assert code == 2
+    assert "from the mesh on average" in said
+    assert "one place and one unit" in said
+
+
+def test_the_next_command_keeps_the_surface(roof: Path, tmp_path: Path) -> None:
+    words = ["optimize", roof, "-o", tmp_path / "out.obj", "--surface", roof]
+    code, said = run(*words, "--set", "optimize.zigzag_limit_deg=0.01")
+    assert code == 1
+    (command,) = [line for line in said.splitlines() if line.startswith("next: ")]
+    assert f"--surface {roof}" in command
+
+
+def test_advice_where_no_net_can_be_traced_does_not_come_back(tmp_path: Path) -> None:
+    """Too few vertices for a fit: after the smooth and the traced net, the result is accepted."""
+    source = tmp_path / "cap.obj"
+    write_mesh(source, skew(5))
+    words = ["optimize", source, "-o", tmp_path / "out.obj", "--goal", "circular"]
+    words += ["--set", "optimize.zigzag_limit_deg=0.01", "--set", "optimize.rise_limit_percent=0"]
+    seen = []
+    for _ in range(6):
+        code, said = run(*words, "--no-picture")
+        if code == 0:
+            break
+        (command,) = [line for line in said.splitlines() if line.startswith("next: ")]
+        assert command not in seen
+        seen.append(command)
+        words = shlex.split(command)[2:]
+    assert code == 0
+    assert any("--retrace" in command for command in seen)
 
 
 @pytest.mark.parametrize(
