@@ -38,7 +38,7 @@ def cleaned(points: Floats, rank: Ints, faces: list[Ints]) -> tuple[list[Ints], 
         ring = _without_spikes(names[face])
         if len(ring) >= 3:
             out.append(ring)
-    out = without_slivers(points, rank, out)
+    out = without_slivers(points, out)
     out = [_without_spikes(ring) for ring in _without_passing(out, rank)]
     return out, np.unique(np.concatenate(out)) if out else np.zeros(0, dtype=np.int64)
 

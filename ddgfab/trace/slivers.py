@@ -1,6 +1,7 @@
-"""Edges that meet the rim, or another edge there, at an acute angle: they go, two faces become one.
+"""Edges that meet at an acute angle: one of them goes, two faces become one.
 
-A line that runs nearly along the rim ends there in a corner that no node can be made for.
+No node can be made for arms so close. A line that runs nearly along the rim ends there in such a
+corner; inside they come where lines converge, as directions that are hardly determined make them.
 """
 
 from __future__ import annotations
@@ -12,16 +13,15 @@ import numpy as np
 from ddgfab.mesh import Floats, Ints
 
 ACUTE_DEG: Final = 32.0
-"""Corners of faces on the rim that are sharper [deg] are opened."""
+"""Corners of faces that are sharper [deg] are opened."""
 
 
-def without_slivers(points: Floats, rank: Ints, faces: list[Ints]) -> list[Ints]:
-    """Faces with acute corners at rim vertices merged with the neighbor along their inner side.
+def without_slivers(points: Floats, faces: list[Ints]) -> list[Ints]:
+    """Faces with acute corners merged with the neighbor along a side of the corner.
 
     Parameters
     ----------
     points : (n, 3)
-    rank : (n,) 0 for inner vertices, more for those on the rim
     faces : ids counterclockwise
     """
     rings: list[list[int] | None] = [face.tolist() for face in faces]
@@ -33,8 +33,6 @@ def without_slivers(points: Floats, rank: Ints, faces: list[Ints]) -> list[Ints]
         if ring is None:
             continue
         for i, b in enumerate(ring):
-            if rank[b] == 0:
-                continue
             a, c = ring[i - 1], ring[(i + 1) % len(ring)]
             if _angle_deg(points, a, b, c) >= ACUTE_DEG:
                 continue
