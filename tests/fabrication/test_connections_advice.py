@@ -78,6 +78,24 @@ CASES: dict[str, tuple[Sections, list[str], Sections]] = {
         ["node N-", "series ends at 250 mm", "diameter_mm = 300"],
         {"node": {"diameter_mm": 300.0}},
     ),
+    "straps on a hollow section": (
+        {
+            "beam": {"profile": "RHS 100x60x4"},
+            "node": STAR,
+            "connection": {**TONGUE, "ends": "doubled"},
+        },
+        ["node N-0000, beam B-0000", "only flat bars", 'kind = "end_plate" with round nodes'],
+        {"node": {}, "connection": {"kind": "end_plate"}},
+    ),
+    "slanting sides of a slotted bar": (
+        {
+            "beam": {"profile": [[-30, -100], [30, -100], [20, 0], [-20, 0]]},
+            "node": STAR,
+            "connection": TONGUE,
+        },
+        ["node N-0000, beam B-0000", "only flat bars", "such as FL 80x40"],
+        {"beam": {"profile": "FL 80x40"}},
+    ),
     "not a flat bar": (
         {"beam": {"profile": "RHS 100x60x4"}, "node": STAR, "connection": TONGUE},
         ["node N-0000, beam B-0000", "only flat bars", 'kind = "end_plate" with round nodes'],

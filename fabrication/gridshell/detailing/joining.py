@@ -116,7 +116,6 @@ def joined_places(
                 f"{sections.profiles[numbers[1]].name} meet at {node_mark(_mixed(own, profile_of))}"
                 "\ntake one [beam] profile"
             )
-        _check_tongues(connection, [sections.profiles[k] for k in numbers])
         width = max(
             max(arm_width(frames, profile, project), connection.arm_width(profile))
             for profile in (sections.profiles[k] for k in numbers)
@@ -131,6 +130,7 @@ def joined_places(
             )
             connection.check(joints.only(mine))
             each.append((joints, mine))
+        _check_tongues(connection, [sections.profiles[k] for k in numbers])
         kind = find(node.kind).joined_by(connection, each[0][0].profile)
         size = max((kind.fit(joints) for joints, _ in each), key=lambda found: found.radius)
         parts = tuple((joints, connection.fit(joints, size), mine) for joints, mine in each)

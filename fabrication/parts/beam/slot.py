@@ -29,8 +29,9 @@ def bar_sides(profile: Profile) -> tuple[float, float, float]:
     loop = profile.loops[0]
     points = loop.points
     y, low, high = float(points[:, 0].max()), float(points[:, 1].min()), float(points[:, 1].max())
-    corners = {(round(abs(float(p)), 6), round(float(q), 6)) for p, q in points}
-    if len(profile.loops) > 1 or len(points) != CORNERS or loop.bulges.any() or len(corners) != 2:
+    corners = {(round(float(p), 6), round(float(q), 6)) for p, q in points}
+    bar = {(round(side, 6), round(level, 6)) for side in (-y, y) for level in (low, high)}
+    if len(profile.loops) > 1 or len(points) != CORNERS or loop.bulges.any() or corners != bar:
         raise DetailError(
             f"profile {profile.name} cannot be slotted: only flat bars can, such as FL 80x40"
         )
