@@ -1,7 +1,8 @@
 """Boundary: the exact surface of a part as plain arrays; Cut: a boundary less some cylinders.
 
-Faces are planes and cylinders; edges are lines and arcs of circles or ellipses. The kernel solid,
-the triangle mesh, the closed-form volume (and STEP text) are all made from this one description.
+Faces are planes and cylinders; edges are lines, arcs of circles or ellipses, and curves where two
+cylinders cross. The kernel solid, the triangle mesh, the closed-form volume (and STEP text) are all
+made from this one description.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats, Ints
+from fabrication.crossing_curves import heights
 
 Vec: TypeAlias = tuple[float, float, float]
 
@@ -51,6 +53,8 @@ class Boundary:
     edge_arc : (E,) -1 for a line, else the row of its arc
     arc_center, arc_a, arc_b : (A, 3) of p(t) = center + cos(t) a + sin(t) b, a perpendicular to b
     arc_range : (A, 2) first and last parameter [rad], increasing, at most half a turn apart
+    arc_onto : (A, 7) the cylinder that a circle is moved onto along its axis (`crossing_curves`):
+        a point of the axis, its unit direction, the radius with the sign of the root; 0: none
     face_cylinder : (F,) whether the face is part of a cylinder
     face_origin : (F, 3) a point of the plane, or of the cylinder's axis
     face_axis : (F, 3) unit outward normal of the plane, or direction of the cylinder's axis
@@ -71,6 +75,7 @@ class Boundary:
     arc_a: Floats
     arc_b: Floats
     arc_range: Floats
+    arc_onto: Floats
     face_cylinder: NDArray[np.bool_]
     face_origin: Floats
     face_axis: Floats
@@ -117,11 +122,31 @@ class Boundary:
         inner = len(self.loop_face) - self.n_faces
         return (2 - (len(self.points) - len(self.edges) + self.n_faces - inner)) // 2
 
+    @cached_property
+    def arc_crosses(self) -> NDArray[np.bool_]:
+        """(A,) whether an arc is a curve where two cylinders cross."""
+        return np.asarray(self.arc_onto[:, 6] != 0.0)
+
     def arc_points(self, arcs: Ints, t: Floats) -> Floats:
         """Points of some arcs (n,) at parameters t (n, m) [rad], as (n, m, 3)."""
+        return self.arc_motion(arcs, t)[0]
+
+    def arc_motion(self, arcs: Ints, t: Floats) -> tuple[Floats, Floats]:
+        """Points of some arcs (n,) at parameters t (n, m) [rad], and their rates, as (n, m, 3)."""
         cos, sin = np.cos(t)[..., None], np.sin(t)[..., None]
         a, b = self.arc_a[arcs][:, None], self.arc_b[arcs][:, None]
-        return np.asarray(self.arc_center[arcs][:, None] + cos * a + sin * b)
+        points = self.arc_center[arcs][:, None] + cos * a + sin * b
+        rates = cos * b - sin * a
+        moved = np.flatnonzero(self.arc_crosses[arcs])
+        if len(moved):
+            own = arcs[moved]
+            one, two = self.arc_a[own], self.arc_b[own]
+            h, rate = heights(self.arc_center[own], one, two, self.arc_onto[own], t[moved])
+            axis = cross_rows(one, two)
+            axis /= np.sqrt(np.einsum("ai,ai->a", axis, axis))[:, None]
+            points[moved] += h[..., None] * axis[:, None]
+            rates[moved] += rate[..., None] * axis[:, None]
+        return points, rates
 
     def edge_points(self, s: Floats) -> Floats:
         """Points of all edges at the parts s (m,) of their parameter range 0..1, as (E, m, 3)."""
@@ -143,6 +168,13 @@ class Boundary:
             self.arc_a @ turn.T,
             self.arc_b @ turn.T,
             self.arc_range,
+            np.hstack(
+                [
+                    self.arc_onto[:, :3] @ turn.T + shift,
+                    self.arc_onto[:, 3:6] @ turn.T,
+                    self.arc_onto[:, 6:],
+                ]
+            ),
             self.face_cylinder,
             self.face_origin @ turn.T + shift,
             self.face_axis @ turn.T,
@@ -159,6 +191,7 @@ class Boundary:
         swap = np.einsum("ai,ai->a", self.arc_b, self.arc_b) > np.einsum(
             "ai,ai->a", self.arc_a, self.arc_a
         )
+        swap &= ~self.arc_crosses
         if not swap.any():
             return self
         pick = swap[:, None]

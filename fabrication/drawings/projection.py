@@ -125,11 +125,7 @@ class Solid:
             )
             arc = arcs[edge]
             t = first[arc] + at / (counts[edge] - 1) * (last[arc] - first[arc])
-            points[start[edge] + at] = (
-                boundary.arc_center[arc]
-                + np.cos(t)[:, None] * boundary.arc_a[arc]
-                + np.sin(t)[:, None] * boundary.arc_b[arc]
-            )
+            points[start[edge] + at] = boundary.arc_points(arc, t[:, None])[:, 0]
         return Polylines(points, start)
 
     @cached_property
@@ -235,7 +231,7 @@ class Solid:
         curves = []
         for line, first, last, is_seen in spans.runs(visible):
             circle, arc = None, int(arcs[line])
-            if arc >= 0 and self.boundary is not None:
+            if arc >= 0 and self.boundary is not None and not self.boundary.arc_crosses[arc]:
                 circle = _circle(self.boundary, arc, axes, first, last)
             curves.append(Curve(lines.part(line, first, last)[:, :2], is_seen, circle))
         return tuple(curves)

@@ -7,13 +7,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from fabrication.boundary import Boundary, Vec
+from fabrication.crossing_curves import heights
 
 Coedges: TypeAlias = list[int]
+
+Onto: TypeAlias = tuple[Vec, Vec, float]
+"""A point of a cylinder's axis, its unit direction, and its radius with a sign."""
+
+NOWHERE: Final[Onto] = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.0)
+"""No cylinder."""
 
 
 def add(p: Vec, q: Vec, factor: float = 1.0) -> Vec:
@@ -69,7 +76,7 @@ class BoundaryBuilder:
         self._edges: list[tuple[int, int]] = []
         self._edge_arc: list[int] = []
         self._lines: dict[tuple[int, int], int] = {}
-        self._arcs: list[tuple[Vec, Vec, Vec, float, float]] = []
+        self._arcs: list[tuple[Vec, Vec, Vec, float, float, Onto]] = []
         self._faces: list[tuple[bool, Vec, Vec, Vec, float, float]] = []
         self._loops: list[tuple[int, Sequence[int]]] = []
 
@@ -92,11 +99,25 @@ class BoundaryBuilder:
         self._lines[end, start] = ~edge
         return edge
 
-    def arc(self, ends: tuple[int, int], center: Vec, a: Vec, b: Vec, t0: float, t1: float) -> int:
-        """Coedge of the arc center + cos(t) a + sin(t) b from t0 to t1; t may fall."""
+    def arc(
+        self,
+        ends: tuple[int, int],
+        center: Vec,
+        a: Vec,
+        b: Vec,
+        t0: float,
+        t1: float,
+        onto: Onto = NOWHERE,
+    ) -> int:
+        """Coedge of the arc center + cos(t) a + sin(t) b from t0 to t1; t may fall.
+
+        onto : a point of the axis, the unit axis and the radius of a cylinder that the circle is
+            moved onto along its axis a x b, +-radius for the farther or nearer place; 0: none
+        """
         if t1 < t0:
             b, t0, t1 = scale(b, -1.0), -t0, -t1
-        self._arcs.append((center, a, b, t0, t1))
+            onto = (*onto[:2], 0.0 - onto[2])
+        self._arcs.append((center, a, b, t0, t1, onto))
         return self._edge(*ends, len(self._arcs) - 1)
 
     def _edge(self, start: int, end: int, arc: int) -> int:
@@ -167,10 +188,48 @@ class BoundaryBuilder:
         self.plane(normalized(add(mouth, bottom, -1.0)), [far])
         return near
 
+    def hole_into(
+        self, near: Vec, axis: Vec, xdir: Vec, radius: float, onto: Onto
+    ) -> tuple[Coedges, Coedges]:
+        """Wall of a round hole from `near` along a unit axis to where it meets a cylinder first.
+
+        Returns the loops that the faces at `near` and in the cylinder get as holes. The curve in
+        the cylinder has four edges, each with one end at +-xdir. xdir is perpendicular to the axis.
+        """
+        side = cross(axis, xdir)
+        a, b = scale(xdir, radius), scale(side, radius)
+        right, left = self.point(add(near, a)), self.point(add(near, a, -1.0))
+        upper = self.arc((right, left), near, a, b, 0.0, math.pi)
+        lower = self.arc((left, right), near, a, b, math.pi, 2.0 * math.pi)
+        first = (onto[0], onto[1], -onto[2])
+        angles = [0.5 * math.pi * k for k in range(5)]
+        deep = heights(
+            np.array([near]), np.array([a]), np.array([b]),
+            np.array([[*first[0], *first[1], first[2]]]), np.array([angles[:4]]),
+        )[0][0].tolist()  # fmt: skip
+        ways = (a, b, scale(a, -1.0), scale(b, -1.0))
+        corners = [
+            self.point(add(add(near, way), axis, h)) for way, h in zip(ways, deep, strict=True)
+        ]
+        quarters = [
+            self.arc(
+                (corners[k], corners[(k + 1) % 4]), near, a, b, angles[k], angles[k + 1], first
+            )
+            for k in range(4)
+        ]
+        up, down = self.line(right, corners[0]), self.line(left, corners[2])
+        self.cylinder(near, axis, side, radius, -1.0, [[up, *quarters[:2], ~down, ~upper]])
+        self.cylinder(
+            near, axis, scale(side, -1.0), radius, -1.0, [[down, *quarters[2:], ~up, ~lower]]
+        )
+        return [upper, lower], opposite(quarters)
+
     def build(self) -> Boundary:
         """The arrays."""
-        arcs = np.array([(*c, *a, *b, t0, t1) for c, a, b, t0, t1 in self._arcs], dtype=np.float64)
-        arcs = arcs.reshape(-1, 11)
+        arcs = np.array(
+            [(*c, *a, *b, t0, t1, *p, *e, r) for c, a, b, t0, t1, (p, e, r) in self._arcs],
+            dtype=np.float64,
+        ).reshape(-1, 18)
         faces = np.array([(*o, *n, *x, r, s) for _, o, n, x, r, s in self._faces])
         sizes = [len(loop) for _, loop in self._loops]
         return Boundary(
@@ -180,7 +239,8 @@ class BoundaryBuilder:
             arc_center=arcs[:, :3],
             arc_a=arcs[:, 3:6],
             arc_b=arcs[:, 6:9],
-            arc_range=arcs[:, 9:],
+            arc_range=arcs[:, 9:11],
+            arc_onto=arcs[:, 11:],
             face_cylinder=np.array([face[0] for face in self._faces]),
             face_origin=faces[:, :3],
             face_axis=faces[:, 3:6],

@@ -4,10 +4,12 @@ A face is x = base + v d with d constant: on a plane base = o + u X, on a cylind
 base = o + r (cos u X + sin u Y) and d its axis, so its normal does not depend on v. Integrals of
 polynomials in x over the face become line integrals around its loops (Green), in which v has been
 integrated by hand. Along lines they are polynomials, along arcs trigonometric polynomials: Gauss
-quadrature gives both exactly.
+quadrature gives both exactly, and to rounding with more nodes where cylinders cross.
 """
 
 from __future__ import annotations
+
+from typing import Final
 
 import numpy as np
 
@@ -15,10 +17,14 @@ from fabrication.boundary import Boundary, cross_rows
 from fabrication.solids.section import GAUSS_NODES, gauss
 from fabrication.specs import Properties
 
+CROSSING_NODES: Final = 64
+"""Nodes of the quadrature along edges of boundaries with curves where cylinders cross."""
+
 
 def properties(boundary: Boundary) -> Properties:
     """Volume [mm3], area [mm2] and centroid [mm] of the solid within a boundary."""
-    s, weight = gauss(GAUSS_NODES)
+    # Curves where cylinders cross are no polynomials of sines: more nodes give them to rounding.
+    s, weight = gauss(CROSSING_NODES if boundary.arc_crosses.any() else GAUSS_NODES)
     middle = 0.5 * (boundary.points.min(axis=0) + boundary.points.max(axis=0))
     # Points and derivatives along every edge, from the middle of the part (no cancellation).
     edge = boundary.coedge_edge
@@ -28,11 +34,8 @@ def properties(boundary: Boundary) -> Properties:
     point = (first - middle)[:, None] + s[:, None] * step
     arc = boundary.edge_arc[on_arc]
     start, end = boundary.arc_range[arc].T[:, :, None]
-    t = start + s * (end - start)
-    cos, sin = np.cos(t)[..., None], np.sin(t)[..., None]
-    a, b = boundary.arc_a[arc][:, None], boundary.arc_b[arc][:, None]
-    point[on_arc] = (boundary.arc_center[arc] - middle)[:, None] + cos * a + sin * b
-    step[on_arc] = (end - start)[..., None] * (cos * b - sin * a)
+    on, rate = boundary.arc_motion(arc, start + s * (end - start))
+    point[on_arc], step[on_arc] = on - middle, (end - start)[..., None] * rate
     point, step = point[edge], step[edge]
 
     face = boundary.coedge_face

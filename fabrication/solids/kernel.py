@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ddgfab.errors import KernelError
-from ddgfab.mesh import Floats
 from fabrication.boundary import Boundary, Vec, cross_rows
+from fabrication.solids.polynomials import PCURVE_ERROR, crossing_poles, wave_basis, wave_degree
 from fabrication.specs import Properties
 
 if TYPE_CHECKING:
@@ -31,12 +31,6 @@ ADAPTIVE = 1e-6
 
 SAME_RADIUS = 1e-12
 """Half-axes that differ by less than this part make a circle."""
-
-PCURVE_ERROR = 1e-10
-"""How far [mm] the polynomial that stands for a wave in a cylinder's (u, v) may be off."""
-
-PCURVE_DEGREES = (3, 21)
-"""Least and greatest degree of that polynomial; the kernel allows 25."""
 
 
 @lru_cache(maxsize=1)
@@ -88,38 +82,20 @@ def load_kernel() -> SimpleNamespace:
     return SimpleNamespace(**names)
 
 
-@lru_cache(maxsize=32)
-def _wave_basis(n: int) -> tuple[Floats, Floats]:
-    """Interpolation nodes on -1..1, and the matrix from values there to Bernstein coefficients."""
-    nodes = np.cos((np.arange(n + 1) + 0.5) * math.pi / (n + 1))
-    # Exact ends: the curve must meet the vertices.
-    nodes[0], nodes[-1] = 1.0, -1.0
-    s = (nodes + 1.0) / 2.0
-    bernstein = np.array([math.comb(n, k) * s**k * (1.0 - s) ** (n - k) for k in range(n + 1)]).T
-    return nodes, np.linalg.inv(bernstein)
-
-
-def _wave_degree(height: float, half: float) -> int:
-    """Least degree that follows a wave of some height over 2 half [rad] (Chebyshev's bound)."""
-    n, error = 1, height * half * half / 4.0
-    while (n < PCURVE_DEGREES[0] or error > PCURVE_ERROR / 4.0) and n < PCURVE_DEGREES[1]:
-        n += 1
-        error *= half / (2.0 * (n + 1))
-    return n
-
-
 class _Topology:
     """Kernel vertices and edges of one boundary, shared by its faces."""
 
     def __init__(self, boundary: Boundary) -> None:
         self.k = load_kernel()
         self.builder = self.k.BRep_Builder()
+        self.boundary = boundary
         self.edge_arc: list[int] = boundary.edge_arc.tolist()
         halves = np.stack([boundary.arc_a, boundary.arc_b], axis=1)
         self.arc_size: list[list[float]] = np.sqrt(
             np.einsum("aki,aki->ak", halves, halves)
         ).tolist()
         self.arc_range: list[list[float]] = boundary.arc_range.tolist()
+        self.poles = crossing_poles(boundary)
         self._make_edges(boundary)
         self._place(boundary)
 
@@ -151,6 +127,10 @@ class _Topology:
                 begin, end = 0.0, length
             else:
                 begin, end = self.arc_range[arc]
+                if arc in self.poles:
+                    edge = self._edge(self._bezier(arc), forward[i], backward[j], begin, end)
+                    self.edges.append(edge)
+                    continue
                 frame = k.gp_Ax2(
                     k.gp_Pnt(*centers[arc]), k.gp_Dir(*normals[arc]), k.gp_Dir(*majors[arc])
                 )
@@ -159,13 +139,33 @@ class _Topology:
                     curve = k.Geom_Circle(frame, la)
                 else:
                     curve = k.Geom_Ellipse(frame, la, lb)
-            edge = k.TopoDS_Edge()
-            build.MakeEdge(edge, curve, TOLERANCE)
-            build.Add(edge, forward[i])
-            build.Add(edge, backward[j])
-            build.Range(edge, begin, end)
-            self.edges.append(edge)
+            self.edges.append(self._edge(curve, forward[i], backward[j], begin, end))
         self.reversed_edges = [edge.Reversed() for edge in self.edges]
+
+    def _edge(self, curve: Any, start: Any, end: Any, first: float, last: float) -> TopoDS_Edge:
+        edge, build = self.k.TopoDS_Edge(), self.builder
+        build.MakeEdge(edge, curve, TOLERANCE)
+        build.Add(edge, start)
+        build.Add(edge, end)
+        build.Range(edge, first, last)
+        return edge
+
+    def _bezier(self, arc: int) -> Any:
+        """The curve of an arc where cylinders cross, with the arc's own parameter."""
+        k, rows = self.k, self.poles[arc].tolist()
+        poles = k.TColgp_Array1OfPnt(1, len(rows))
+        for i, row in enumerate(rows):
+            poles.SetValue(i + 1, k.gp_Pnt(*row))
+        return k.Geom_BSplineCurve(poles, *self._span(arc, len(rows)))
+
+    def _span(self, arc: int, count: int) -> tuple[Any, Any, int]:
+        """Knots, how often each counts, and the degree of a polynomial over an arc's range."""
+        knots = self.k.TColStd_Array1OfReal(1, 2)
+        knots.SetValue(1, self.arc_range[arc][0])
+        knots.SetValue(2, self.arc_range[arc][1])
+        counts = self.k.TColStd_Array1OfInteger(1, 2)
+        counts.Init(count)
+        return knots, counts, count - 1
 
     def _place(self, boundary: Boundary) -> None:
         """Every coedge's point and direction, or center and half-axes, in its face's frame.
@@ -215,20 +215,20 @@ class _Topology:
                 forward = (coedge >= 0) == (sign > 0.0)
                 index = coedge if coedge >= 0 else ~coedge
                 build.Add(wire, (self.edges if forward else self.reversed_edges)[index])
-                curve = pcurve(self.edge_arc[index], *self.placed[place])
+                curve = pcurve(self.edge_arc[index], place)
                 build.UpdateEdge(self.edges[index], curve, face, TOLERANCE)
                 place += 1
             wire.Closed(True)
             build.Add(face, wire)
         return face if sign > 0.0 else face.Reversed()
 
-    def _on_plane(self, arc: int, origin: Vec, one: Vec, two: Vec) -> Any:
+    def _on_plane(self, arc: int, place: int) -> Any:
         """Curve of an edge in a plane's (u, v).
 
         The kernel does without, but its check, which would project every edge again and again,
         takes half as long with it.
         """
-        k = self.k
+        k, (origin, one, two) = self.k, self.placed[place]
         point = k.gp_Pnt2d(origin[0], origin[1])
         direction = k.gp_Dir2d(one[0], one[1])
         if arc < 0:
@@ -240,13 +240,15 @@ class _Topology:
             return k.Geom2d_Circle(frame, la)
         return k.Geom2d_Ellipse(frame, la, lb)
 
-    def _on_cylinder(self, arc: int, origin: Vec, one: Vec, two: Vec) -> Any:
+    def _on_cylinder(self, arc: int, place: int) -> Any:
         """Curve of an edge in a cylinder's (u, v), with the edge's own parameter."""
-        k = self.k
+        k, (origin, one, two) = self.k, self.placed[place]
         x, y, v = origin
         if arc < 0:
             u = math.atan2(y, x) % (2.0 * math.pi)
             return k.Geom2d_Line(k.gp_Pnt2d(u, v), k.gp_Dir2d(0.0, 1.0 if one[2] > 0.0 else -1.0))
+        if arc in self.poles:
+            return self._crossing(arc, place)
         t0, t1 = self.arc_range[arc]
         middle, half = 0.5 * (t0 + t1), 0.5 * (t1 - t0)
         c, s = math.cos(middle), math.sin(middle)
@@ -256,19 +258,31 @@ class _Topology:
         if height <= PCURVE_ERROR:
             return k.Geom2d_Line(k.gp_Pnt2d(u - turn * middle, v), k.gp_Dir2d(turn, 0.0))
         # (u + turn (t - middle), v + one cos t + two sin t) for t in t0..t1, as a polynomial.
-        n = _wave_degree(height, half)
-        nodes, matrix = _wave_basis(n)
+        n = wave_degree(height, half)
+        nodes, matrix = wave_basis(n)
         t = middle + half * nodes
         heights = (matrix @ (v + one[2] * np.cos(t) + two[2] * np.sin(t))).tolist()
         poles = k.TColgp_Array1OfPnt2d(1, n + 1)
         for i, h in enumerate(heights):
             poles.SetValue(i + 1, k.gp_Pnt2d(u + turn * half * (2.0 * i / n - 1.0), h))
-        knots = k.TColStd_Array1OfReal(1, 2)
-        knots.SetValue(1, t0)
-        knots.SetValue(2, t1)
-        counts = k.TColStd_Array1OfInteger(1, 2)
-        counts.Init(n + 1)
-        return k.Geom2d_BSplineCurve(poles, knots, counts, n)
+        return k.Geom2d_BSplineCurve(poles, *self._span(arc, n + 1))
+
+    def _crossing(self, arc: int, place: int) -> Any:
+        """A curve where cylinders cross in the (u, v) of one of them, with the arc's parameter."""
+        k, n = self.k, len(self.poles[arc]) - 1
+        nodes, matrix = wave_basis(n)
+        face = self.boundary.coedge_face[place]
+        first, last = self.arc_range[arc]
+        t = 0.5 * (first + last) + 0.5 * (last - first) * nodes
+        away = (
+            self.boundary.arc_points(np.array([arc]), t[None])[0] - self.boundary.face_origin[face]
+        )
+        axis, xdir = self.boundary.face_axis[face], self.boundary.face_xdir[face]
+        u = np.arctan2(away @ np.cross(axis, xdir), away @ xdir) % (2.0 * math.pi)
+        poles = k.TColgp_Array1OfPnt2d(1, n + 1)
+        for i, (x, y) in enumerate((matrix @ np.stack([u, away @ axis], axis=1)).tolist()):
+            poles.SetValue(i + 1, k.gp_Pnt2d(x, y))
+        return k.Geom2d_BSplineCurve(poles, *self._span(arc, n + 1))
 
 
 def solid_from(boundary: Boundary) -> TopoDS_Solid:

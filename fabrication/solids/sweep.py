@@ -64,7 +64,8 @@ class End:
     ) -> int:
         """Coedge that this end cuts from the face swept by a segment."""
         if segment.turn != 0.0:
-            return self._flat_arc(builder, frame, segment, ends)
+            drawn = self._flat_arc if self.radius is None else self._coped_arc
+            return drawn(builder, frame, segment, ends)
         du, dv = segment.u1 - segment.u0, segment.v1 - segment.v0
         if self.radius is None or abs(du) <= GENERATOR * math.hypot(du, dv):
             return builder.line(*ends)
@@ -91,6 +92,24 @@ class End:
         first = segment.first - phi
         return builder.arc(ends, center, a, b, first, first + segment.turn)
 
+    def _coped_arc(
+        self, builder: BoundaryBuilder, frame: Frame, segment: Segment, ends: tuple[int, int]
+    ) -> int:
+        """Where the round face swept by an arc meets the coping cylinder first."""
+        (cu, cv), r = segment.center, segment.radius
+        origin, axis, radius = self.cylinder(frame)
+        onto = (origin, axis, -self.outward * radius)
+        a, b, center = frame(r, 0.0, 0.0), frame(0.0, r, 0.0), frame(cu, cv, 0.0)
+        last = segment.first + segment.turn
+        return builder.arc(ends, center, a, b, segment.first, last, onto)
+
+    def cylinder(self, frame: Frame) -> tuple[Vec, Vec, float]:
+        """A point of the axis, the unit axis and the radius of the coping cylinder."""
+        assert self.radius is not None
+        normal = scale(frame(-self.skew, -self.slope, 1.0), self.outward / self.stretch)
+        origin = add(frame(0.0, 0.0, self.at), normal, self.radius)
+        return origin, scale(frame(0.0, 1.0, self.slope), 1.0 / self.stretch), self.radius
+
     def face(
         self,
         builder: BoundaryBuilder,
@@ -108,9 +127,8 @@ class End:
         if self.radius is None:
             builder.plane(scale(normal, -1.0) if cavity else normal, loops)
             return
-        origin = add(frame(0.0, 0.0, self.at), normal, self.radius)
-        axis = scale(frame(0.0, 1.0, self.slope), 1.0 / n)
-        builder.cylinder(origin, axis, scale(normal, -1.0), self.radius, -1.0, loops)
+        origin, axis, radius = self.cylinder(frame)
+        builder.cylinder(origin, axis, scale(normal, -1.0), radius, -1.0, loops)
 
 
 def walls(

@@ -2,7 +2,8 @@
 
 Every arc belongs to one cylinder face, which decides where it is sampled: at a grid of angles that
 holds the angles of all the face's vertices. Between neighbouring angles the face is then a stack of
-plane trapezoids. Plane faces are triangulated polygons with holes over the same points.
+plane trapezoids. Plane faces are triangulated polygons with holes over the same points. A curve
+where two cylinders cross belongs to both: the grids of the two have each other's angles on it.
 
 Most cylinder faces have four sides, two arcs between two lines: these are sampled and cut into
 triangles all at once. The others, where arcs meet or lie side by side, are done one by one.
@@ -20,14 +21,12 @@ from numpy.typing import NDArray
 
 from ddgfab.mesh import Floats, Ints
 from fabrication.boundary import Boundary, cross_rows
+from fabrication.solids.crossings import SAME_ANGLE, rise, share_angles
 from fabrication.solids.flat_faces import flat_triangles
 from fabrication.specs import TriangleMesh
 
 CHORD = 0.05
 """Default greatest distance [mm] of the mesh from the exact surface."""
-
-SAME_ANGLE = 1e-9
-"""Angles [rad] on a cylinder face nearer than this are one generator line."""
 
 MAX_STEP = math.pi / 4.0
 """Greatest angle [rad] between neighbouring generator lines, however small the cylinder."""
@@ -46,7 +45,8 @@ def tessellate(boundary: Boundary, chord: float = CHORD) -> TriangleMesh:
 
     Parameters
     ----------
-    boundary : a closed boundary whose arcs each belong to one plane and one cylinder face
+    boundary : a closed boundary whose arcs each belong to one plane and one cylinder face, or to
+        two cylinder faces that cross there
     chord : greatest distance [mm] of the mesh from the exact surface
     """
     chains = _Chains(boundary)
@@ -97,6 +97,7 @@ class _Arcs:
     edge, row, face : of each arc (n,)
     angles : (n, 2) of its ends about the axis [rad]
     step : (n,) greatest angle between generator lines of its face
+    second : (n,) whether it is a curve where cylinders cross, and the face is on the other one
     pair : (m, 2) arcs of the faces of four sides
     single : arcs that are in no such face
     """
@@ -113,8 +114,14 @@ class _Arcs:
         y = np.einsum("nki,ni->nk", ends, ydir)
         self.angles = np.arctan2(y, x) % (2.0 * math.pi)
         self.heights = np.einsum("nki,ni->nk", ends, axis)
+        self.second = np.zeros(len(on), dtype=np.bool_)
+        crossing = np.flatnonzero(b.arc_crosses[self.row])
+        own = cross_rows(b.arc_a[self.row[crossing]], b.arc_b[self.row[crossing]])
+        tilt = np.abs(np.einsum("ni,ni->n", own, axis[crossing]))
+        self.second[crossing] = tilt < (1.0 - SAME_ANGLE) * np.linalg.norm(own, axis=1)
+        first = ~self.second
         size = np.zeros(b.n_faces)
-        np.maximum.at(size, self.face, _curvature(b, self.row))
+        np.maximum.at(size, self.face[first], _curvature(b, self.row[first]))
         turn = 1.0 - chord / size[self.face]
         self.step = np.minimum(MAX_STEP, 2.0 * np.arccos(np.maximum(0.0, turn)))
         four = self._four_sided()
@@ -134,6 +141,7 @@ class _Arcs:
         shared = b.edges[self.edge[first]][:, :, None] == b.edges[self.edge[first + 1]][:, None]
         bad = first[(apart > SAME_ANGLE) | shared.any(axis=(1, 2))]
         four[bad] = four[bad + 1] = False
+        four &= ~np.isin(self.face, self.face[b.arc_crosses[self.row]])
         return np.asarray(four)
 
     def sampled(self, chains: _Chains) -> tuple[Floats, list[Ints]]:
@@ -146,17 +154,16 @@ class _Arcs:
         grids = self._grids()
         for single, grid in grids.items():
             counts[single] = len(grid)
-        chains.inner[self.edge] = counts
-        chains.first[self.edge] = len(b.points) + np.cumsum(counts) - counts
+        kept = ~self.second
+        chains.inner[self.edge[kept]] = counts[kept]
+        chains.first[self.edge[kept]] = (len(b.points) + np.cumsum(counts) - counts)[kept]
         k, arc = _counted(counts)
         start, end = b.arc_range[self.row].T
         t = start[arc] + (end - start)[arc] * (k + 1) / (counts[arc] + 1)
         at = np.cumsum(counts) - counts
         for single, grid in grids.items():
             t[at[single] : at[single] + len(grid)] = start[single] + np.array(grid)
-        row = self.row[arc]
-        cos, sin = np.cos(t)[:, None], np.sin(t)[:, None]
-        inner = b.arc_center[row] + cos * b.arc_a[row] + sin * b.arc_b[row]
+        inner = b.arc_points(self.row[arc], t[:, None])[:, 0]
         points = np.concatenate([b.points, inner])
         return points, [self._strips(chains, parts), *self._stacks(chains, points)]
 
@@ -165,10 +172,15 @@ class _Arcs:
         found: dict[int, list[float]] = {}
         self._lines: dict[int, list[float]] = {}
         for face, arcs in self._single_faces():
-            angles = self.angles[arcs].tolist()
-            grid = _grid(sorted(a for pair in angles for a in pair), float(self.step[arcs[0]]))
-            self._lines[face] = grid
-            for arc, (a0, a1) in zip(arcs, angles, strict=True):
+            angles = self.angles[arcs].ravel().tolist()
+            self._lines[face] = _grid(sorted(angles), float(self.step[arcs[0]]))
+        if self.second.any():
+            share_angles(self.boundary, self, self._lines)
+        for face, arcs in self._single_faces():
+            grid = self._lines[face]
+            for arc, (a0, a1) in zip(arcs, self.angles[arcs].tolist(), strict=True):
+                if self.second[arc]:
+                    continue
                 i, j = _place(grid, a0), _place(grid, a1)
                 inner = grid[i + 1 : j] if i < j else grid[j + 1 : i][::-1]
                 found[arc] = [abs(angle - a0) for angle in inner]
@@ -259,6 +271,9 @@ def _curvature(boundary: Boundary, rows: Ints) -> Floats:
     a, b = boundary.arc_a[rows], boundary.arc_b[rows]
     aa, bb = np.einsum("ni,ni->n", a, a)[:, None], np.einsum("ni,ni->n", b, b)[:, None]
     squares = np.cos(t) ** 2 * aa + np.sin(t) ** 2 * bb  # a and b are perpendicular
+    crossing = np.flatnonzero(boundary.arc_crosses[rows])
+    if len(crossing):
+        squares[crossing] += rise(boundary, rows[crossing])[:, None] ** 2
     return np.asarray(np.sqrt(squares.max(axis=1)))
 
 

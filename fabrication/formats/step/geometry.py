@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ddgfab.errors import DegenerateError
 from ddgfab.mesh import Floats
 from fabrication.boundary import Boundary, cross_rows
+from fabrication.solids.polynomials import crossing_poles
 
 DECIMALS: Final = 12
 """Decimals of every coordinate [mm] and direction. With seven, faces were invalid on reading."""
@@ -35,11 +36,15 @@ _WHOLE: Final = "." + DECIMALS * "0"
 
 @dataclass(frozen=True)
 class _Topology:
-    """What boundaries must share to share a text: counts, and the arrays' bytes."""
+    """What boundaries must share to share a text: counts, and the arrays' bytes.
+
+    poles : how many of each arc, where cylinders cross; 0 for arcs of circles and ellipses
+    """
 
     points: int
     edges: bytes
     edge_arc: bytes
+    poles: tuple[int, ...]
     ellipse: bytes
     face_cylinder: bytes
     face_inward: bytes
@@ -109,11 +114,13 @@ def shell(boundary: Boundary, first: int, width: int) -> tuple[Template, tuple[f
     boundary = boundary.major_first()
     large = np.sqrt(np.einsum("ai,ai->a", boundary.arc_a, boundary.arc_a))
     small = np.sqrt(np.einsum("ai,ai->a", boundary.arc_b, boundary.arc_b))
+    poles = crossing_poles(boundary)
     template = _template(
         _Topology(
             len(boundary.points),
             boundary.edges.astype(np.int64, copy=False).tobytes(),
             boundary.edge_arc.astype(np.int64, copy=False).tobytes(),
+            tuple(len(poles.get(arc, ())) for arc in range(len(boundary.arc_center))),
             (large - small > SAME_RADIUS * large).tobytes(),
             boundary.face_cylinder.tobytes(),
             (boundary.face_sign < 0.0).tobytes(),
@@ -129,6 +136,7 @@ def shell(boundary: Boundary, first: int, width: int) -> tuple[Template, tuple[f
             boundary.points.ravel(),
             _line_directions(boundary).ravel(),
             _arc_numbers(boundary, large, small).ravel()[template.arc_numbers],
+            *(poles[arc].ravel() for arc in sorted(poles)),
             _face_numbers(boundary).ravel()[template.face_numbers],
         ]
     )
@@ -146,7 +154,8 @@ def count_ids(boundary: Boundary) -> int:
         1  # the shell
         + 2 * len(boundary.points)  # and its vertex
         + 3 * lines  # direction, vector, line
-        + 5 * len(boundary.arc_center)  # point, two directions, placement, curve
+        + 5 * int(np.count_nonzero(~boundary.arc_crosses))  # point, directions, placement, curve
+        + sum(len(poles) + 1 for poles in crossing_poles(boundary).values())  # poles, curve
         + len(boundary.edges)
         + len(boundary.coedges)
         + 2 * len(boundary.loop_face)  # loop, bound
@@ -204,11 +213,22 @@ def _template(topology: _Topology, first: int, width: int) -> Template:
 
     points = [emit(f"CARTESIAN_POINT('',{_TRIPLE})") for _ in range(topology.points)]
     directions = [emit(f"DIRECTION('',{_TRIPLE})") for arc in edge_arc if arc < 0]
-    arcs = []
-    for long in ellipse.tolist():
+    arcs: dict[int, str] = {}
+    plain = np.array(topology.poles, dtype=np.int64) == 0
+    for arc in np.flatnonzero(plain).tolist():
         frame = axes(emit(f"CARTESIAN_POINT('',{_TRIPLE})"))
-        arcs.append(
-            emit(f"ELLIPSE('',{frame},{_REAL},{_REAL})" if long else f"CIRCLE('',{frame},{_REAL})")
+        radii = (
+            f"ELLIPSE('',{frame},{_REAL},{_REAL})"
+            if ellipse[arc]
+            else (f"CIRCLE('',{frame},{_REAL})")
+        )
+        arcs[arc] = emit(radii)
+    for arc in np.flatnonzero(~plain).tolist():
+        count = topology.poles[arc]
+        poles = ",".join(emit(f"CARTESIAN_POINT('',{_TRIPLE})") for _ in range(count))
+        arcs[arc] = emit(
+            f"B_SPLINE_CURVE_WITH_KNOTS('',{count - 1},({poles}),.UNSPECIFIED.,.F.,.F.,"
+            f"({count},{count}),(0.,1.),.UNSPECIFIED.)"
         )
     vertices = [emit(f"VERTEX_POINT('',{point})") for point in points]
     edge_curves, straight = [], iter(directions)
@@ -245,6 +265,7 @@ def _template(topology: _Topology, first: int, width: int) -> Template:
     lines.append(f"{shell_id}=CLOSED_SHELL('',({','.join(faces)}));")
     arc_numbers = np.ones((len(ellipse), 11), dtype=np.bool_)
     arc_numbers[:, 10] = ellipse
+    arc_numbers[~plain] = False
     face_numbers = np.ones((len(cylinder), 10), dtype=np.bool_)
     face_numbers[:, :3] = face_numbers[:, 9:] = cylinder[:, None]
     return Template(

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 OVERLAP: Final = 1.0
 """How far [mm] the cylinder that copes an end reaches beyond the blank."""
 
+SIDEWAYS: Final = 1e-9
+"""An arc turns back sideways when it reaches farther than its ends by more than this part."""
+
 VERTICAL: Final = 1e-12
 """A side face counts as perpendicular to y when its line departs by less than this part."""
 
@@ -56,9 +59,18 @@ def ends_of(shape: BeamShape) -> tuple[End, End]:
 
 
 def beam_is_exact(shape: BeamShape) -> bool:
-    """Whether its boundary is exact: no coped end on a profile with round corners."""
-    coped = shape.start.radius is not None or shape.end.radius is not None
-    return not (coped and any(loop.bulges.any() for loop in shape.profile.loops))
+    """Whether its boundary is exact: no coped end on an arc that turns back sideways."""
+    if shape.start.radius is None and shape.end.radius is None:
+        return True
+    arcs = (s for loop in shape.profile.loops for s in segments(loop) if s.turn)
+    return not any(_turns_back(arc) for arc in arcs)
+
+
+def _turns_back(arc: Segment) -> bool:
+    """Whether an arc reaches farther to a side than its ends do."""
+    left, right, _, _ = arc.bounds()
+    slack = SIDEWAYS * arc.radius
+    return left < min(arc.u0, arc.u1) - slack or right > max(arc.u0, arc.u1) + slack
 
 
 def check_ends(shape: BeamShape, loops: list[list[Segment]]) -> None:

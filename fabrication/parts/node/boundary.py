@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Final
 
@@ -11,24 +10,27 @@ import numpy as np
 
 from ddgfab.errors import DetailError
 from fabrication.boundary import Boundary, Cut, Tool, Vec
+from fabrication.parts.node.drills import (
+    MAX_ARC,
+    SAME_AZIMUTH,
+    Drill,
+    angle_apart,
+    bore_face,
+    bore_loop,
+    bore_splits,
+    drills,
+)
 from fabrication.solids.builder import BoundaryBuilder, Coedges, add
 from fabrication.solids.section import segments
 from fabrication.solids.sweep import End, sweep
 from fabrication.specs import Loop
 
 if TYPE_CHECKING:
-    from fabrication.parts.node.shape import NodeShape, RadialHole, Seat
-
-SAME_AZIMUTH: Final = 1e-9
-"""Azimuths [rad] nearer than this are one: a hole there stands on its seat."""
+    from fabrication.parts.node.shape import NodeShape, Seat
 
 TOUCHING: Final = 1e-4
 """Seats with less of the circle [mm] between them, or overlapping by less, meet in an edge: an
 arc so short is not a face."""
-
-MAX_ARC: Final = math.pi
-"""Greatest angle [rad] of one cylinder face: larger ones are split, so no edge is a circle."""
-
 
 OVERLAP: Final = 1.0
 """How far [mm] the cylinder that drills a hole reaches beyond the node."""
@@ -39,54 +41,14 @@ def frame(u: float, v: float, w: float) -> Vec:
     return (u, v, w)
 
 
-@dataclass(frozen=True)
-class Drill:
-    """A radial hole with what it starts from and where it ends.
-
-    seat : index of its seat, or None on the round surface; bottom: distance [mm] of its flat
-    bottom from the axis, None when it opens into the bore.
-    """
-
-    hole: RadialHole
-    seat: int | None
-    bottom: float | None
-
-    @property
-    def exact(self) -> bool:
-        """Whether lines, circles and ellipses describe it: blind and on a seat."""
-        return self.seat is not None and self.bottom is not None
-
-
-def angle_apart(one: float, two: float) -> float:
-    """Angle [rad] between two azimuths, 0..pi."""
-    return abs((one - two + math.pi) % (2.0 * math.pi) - math.pi)
-
-
 def half_angle(shape: NodeShape, seat: Seat) -> float:
     """Half the angle [rad] that a seat takes from the circle."""
     return math.acos(seat.distance / shape.radius)
 
 
-def drills(shape: NodeShape) -> list[Drill]:
-    """The radial holes, each with its seat and bottom."""
-    out = []
-    for hole in shape.holes:
-        seat = next(
-            (
-                k
-                for k, s in enumerate(shape.seats)
-                if angle_apart(s.azimuth, hole.azimuth) <= SAME_AZIMUTH
-            ),
-            None,
-        )
-        face = shape.radius if seat is None else shape.seats[seat].distance
-        out.append(Drill(hole, seat, None if hole.depth is None else face - hole.depth))
-    return out
-
-
 def node_is_exact(shape: NodeShape) -> bool:
-    """Whether every radial hole is blind and stands on a seat."""
-    return all(drill.exact for drill in drills(shape))
+    """Whether every radial hole stands on a seat, and the bore has room between its holes."""
+    return all(drill.exact for drill in drills(shape)) and bool(bore_splits(shape))
 
 
 def seat_order(shape: NodeShape) -> list[int]:
@@ -143,8 +105,7 @@ def node_section(shape: NodeShape) -> tuple[Loop, ...]:
     outer = Loop(np.array(points), np.array(bulges))
     if shape.bore == 0.0:
         return (outer,)
-    r = shape.bore
-    return (outer, Loop(np.array([(r, 0.0), (-r, 0.0)]), np.array([-1.0, -1.0])))
+    return outer, bore_loop(shape)
 
 
 def _gap(shape: NodeShape, before: Seat, seat: Seat) -> float:
@@ -319,17 +280,22 @@ def node_boundary(shape: NodeShape, *, blank: bool = False) -> Boundary:
     builder = BoundaryBuilder()
     side_holes: dict[tuple[int, int], list[Coedges]] = {}
     for drill in found:
-        if drill.seat is None or drill.bottom is None:
+        if drill.seat is None:
             if blank:
                 continue
-            raise DetailError("a hole on the round surface or into the bore has no exact boundary")
+            raise DetailError("a hole in the round surface has no exact boundary")
         hole, seat = drill.hole, shape.seats[drill.seat]
         c, s = math.cos(seat.azimuth), math.sin(seat.azimuth)
         side: Vec = (-s * hole.across, c * hole.across, hole.z)
         mouth = add(side, (c, s, 0.0), seat.distance)
-        bottom = add(side, (c, s, 0.0), drill.bottom)
-        flat = flats[order.index(drill.seat)]
-        loop = builder.blind_hole(mouth, bottom, (0.0, 0.0, 1.0), hole.diameter / 2.0)
+        flat, up, r = flats[order.index(drill.seat)], (0.0, 0.0, 1.0), hole.diameter / 2.0
+        if drill.bottom is None:
+            onto = ((0.0, 0.0, 0.0), up, shape.bore)
+            loop, inner = builder.hole_into(mouth, (-c, -s, 0.0), up, r, onto)
+            side_holes.setdefault((1, bore_face(section[1], hole)), []).append(inner)
+        else:
+            bottom = add(side, (c, s, 0.0), drill.bottom)
+            loop = builder.blind_hole(mouth, bottom, up, r)
         side_holes.setdefault((0, flat), []).append(loop)
     top: list[Coedges] = []
     if shape.mark is not None:

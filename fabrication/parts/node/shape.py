@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Protocol, Self, TypeVar, runtime_checkable
 
 from fabrication.boundary import Boundary, Cut
-from fabrication.parts.node.boundary import SAME_AZIMUTH, node_geometry
+from fabrication.parts.node.boundary import node_geometry
 from fabrication.parts.node.congruence import node_key, node_variants
+from fabrication.parts.node.drills import SAME_AZIMUTH
 from fabrication.parts.node.volume import node_volume
 from fabrication.specs import Kind
 from fabrication.variants import Variants

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ddgfab.mesh import Floats
-from fabrication.parts.node.boundary import Drill, drills
+from fabrication.parts.node.drills import Drill, drills
 from fabrication.solids.section import gauss
 
 if TYPE_CHECKING:
