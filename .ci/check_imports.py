@@ -59,6 +59,7 @@ GEOMETRY_ROOMS = [
 ]
 # A room of fabrication may import itself and the rooms before it.
 ROOMS = [
+    "crossing_curves",
     "boundary",
     "variants",
     "specs",

@@ -40,8 +40,8 @@ __all__ = [
 def boundary_of(shape: Shape) -> Boundary | None:
     """Exact boundary of a shape in its own frame; None where that needs other curves.
 
-    None: a coped end on a profile with round corners, a radial hole into the bore or in the round
-    surface of a node.
+    None: a radial hole in the round surface of a node, and a coped end on an arc that turns back
+    sideways.
 
     Raises
     ------

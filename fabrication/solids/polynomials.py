@@ -28,11 +28,11 @@ PCURVE_DEGREES: Final = (3, 21)
 @lru_cache(maxsize=32)
 def wave_basis(n: int) -> tuple[Floats, Floats]:
     """Interpolation nodes on -1..1, and the matrix from values there to Bernstein coefficients."""
-    nodes: Floats = np.cos((np.arange(n + 1) + 0.5) * math.pi / (n + 1))
+    nodes = np.cos((np.arange(n + 1) + 0.5) * math.pi / (n + 1))
     # Exact ends: the curve must meet the vertices.
     nodes[0], nodes[-1] = 1.0, -1.0
-    matrix: Floats = np.linalg.inv(_bernstein(n, (nodes + 1.0) / 2.0))
-    return nodes, matrix
+    matrix = np.linalg.inv(_bernstein(n, (nodes + 1.0) / 2.0))
+    return np.asarray(nodes, dtype=np.float64), np.asarray(matrix, dtype=np.float64)
 
 
 def wave_degree(height: float, half: float) -> int:

@@ -317,14 +317,35 @@ STUDS: dict[str, tuple[BeamShape | FastenerShape | StarShape, int]] = {
     "washer": (washer(M12), 1),
 }
 
-EXACT: dict[str, tuple[Shape, int]] = {**BEAMS, **NODES, **PANELS, **LINKS, **OTHERS, **STUDS}
+CROSSED: dict[str, tuple[Shape, int]] = {
+    "rhs coped": (beam(RHS, 62.0, 70.0), 1),
+    "rhs mixed holes": (beam(RHS, None, 40.0, holes=HOLES), 5),
+    "through on seats": (node(4, bore=50.0, holes=True, through=True), 5),
+    "through in rows": (
+        NodeShape(
+            70.0, 46.0, -60.0, 50.0, (Seat(0.2, 62.0, 50.0), Seat(2.0, 62.0, 50.0)),
+            tuple(RadialHole(a, z, 10.2, None, y)
+                  for a in (0.2, 2.0) for z in (-30.0, 12.0) for y in (-15.0, 15.0)),
+            ReferenceMark(54.0, 3.0, 2.0),
+        ),
+        9,
+    ),
+}  # fmt: skip
+"""Shapes with curves where two cylinders cross."""
+
+EXACT: dict[str, tuple[Shape, int]] = {
+    **BEAMS,
+    **NODES,
+    **PANELS,
+    **LINKS,
+    **OTHERS,
+    **STUDS,
+    **CROSSED,
+}
 
 TUBE = NodeShape(60.0, 50.0, -40.0, 45.0)
 
 CUT: dict[str, tuple[Shape, int]] = {
-    "rhs coped": (beam(RHS, 62.0, 70.0), 1),
-    "rhs mixed holes": (beam(RHS, None, 40.0, holes=HOLES), 5),
-    "through on seats": (node(4, bore=50.0, holes=True, through=True), 5),
     "through tube": (replace(TUBE, holes=(RadialHole(0.4, 3.0, 14.0, None),)), 2),
     "blind on round": (replace(TUBE, bore=0.0, holes=(RadialHole(0.4, 3.0, 14.0, 20.0),)), 0),
 }

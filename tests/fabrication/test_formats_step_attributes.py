@@ -62,6 +62,23 @@ def named_data(path: Path) -> dict[str, dict[str, Any]]:
 
 
 @pytest.mark.slow
+def test_numbers_with_thousands_of_pieces_can_be_read(ball: Whole, tmp_path: Path) -> None:
+    """OCCT refuses files with strings of 16 kB: all fasteners of large roofs were rejected."""
+    part = next(iter(ball.parts.values()))
+    (one, *_), marks = part.family.instances, [f"F-{k:04d}" for k in range(4000)]
+    many = replace(part.family, instances=tuple(replace(one, mark=mark) for mark in marks))
+    path = tmp_path / "part.step"
+    steel = replace(part.material, name="\u0416" * 2000)
+    FORMAT.write_part(path, replace(part, family=many, material=steel), ball.about)
+    (data,) = [d for d in named_data(path).values() if "mark" in d]
+    shown, words = data["mark"].split(), data["mark"].split()[-3:]
+    assert shown[:-3] == marks[: len(shown) - 3]
+    assert words == ["and", str(4000 - len(shown) + 3), "more"]
+    assert len(shown) > 100
+    assert data["material"].endswith(" ...")
+
+
+@pytest.mark.slow
 def test_occt_finds_the_attributes_by_key(ball: Whole, tmp_path: Path) -> None:
     FORMAT.write_whole(tmp_path, ball)
     found = named_data(tmp_path / "assembly.step")

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from parts_table import BEAMS, CUT, EXACT, NODES
+from parts_table import BEAMS, CROSSED, CUT, EXACT, NODES
 
 from ddgfab.errors import DegenerateError
 from fabrication.boundary import Boundary
@@ -34,7 +34,7 @@ def test_is_the_boundary_of_one_solid(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", EXACT)
-def test_every_arc_has_one_cylinder_and_one_plane(name: str) -> None:
+def test_every_arc_has_one_cylinder_and_one_plane_or_two_cylinders(name: str) -> None:
     boundary = exact(name)
     kinds = np.zeros((len(boundary.edges), 2), dtype=int)
     np.add.at(
@@ -42,7 +42,10 @@ def test_every_arc_has_one_cylinder_and_one_plane(name: str) -> None:
         (boundary.coedge_edge, boundary.face_cylinder[boundary.coedge_face].astype(int)),
         1,
     )
-    assert (kinds[boundary.edge_arc >= 0] == 1).all()
+    crosses = np.append(boundary.arc_crosses, False)[boundary.edge_arc]
+    assert (kinds[(boundary.edge_arc >= 0) & ~crosses] == 1).all()
+    assert (kinds[crosses] == [0, 2]).all()
+    assert crosses.any() == (name in CROSSED)
 
 
 @pytest.mark.parametrize("name", EXACT)
@@ -184,6 +187,7 @@ def test_refuses_two_solids() -> None:
         one.arc_a,
         one.arc_b,
         one.arc_range,
+        one.arc_onto,
         np.concatenate([one.face_cylinder] * 2),
         np.concatenate([one.face_origin, one.face_origin + 5000.0]),
         np.concatenate([one.face_axis] * 2),

@@ -6,8 +6,10 @@ its property definition, and only where it has a general property of its own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final, Literal, TypeAlias
+
+import numpy as np
 
 from fabrication.formats.step.entities import FILE_CONTEXT, LENGTH_UNIT, MASS_UNIT
 from fabrication.formats.step.text import quoted, real
@@ -20,6 +22,11 @@ Attribute: TypeAlias = tuple[str, str | float, Measure]
 
 MARK: Final = "mark"
 """Key of the mark of an instance; in part files that of the marks of all pieces."""
+
+LONGEST: Final = 1200
+"""Most characters of a text, "..." at its end where there were more.
+
+OCCT's reader refuses files with strings of 16384 bytes, and a character may take 12."""
 
 IDS: Final = 6
 """How many ids an attribute takes."""
@@ -39,6 +46,16 @@ _ITEMS: Final[Mapping[Measure, str]] = {
 }
 
 
+def marks_text(marks: Sequence[str]) -> str:
+    """Marks with spaces between; of many those that fit, and how many more there are."""
+    room = LONGEST - len(f" and {len(marks)} more")
+    ends = np.cumsum([len(mark) + 1 for mark in marks]) - 1
+    shown = int(np.searchsorted(ends, room, side="right"))
+    if shown >= len(marks):
+        return " ".join(marks)
+    return f"{' '.join(marks[:shown])} and {len(marks) - shown} more"
+
+
 def attribute_text(first: int, of: str, attribute: Attribute) -> str:
     """The entities of an attribute; ids count from `first`.
 
@@ -48,7 +65,11 @@ def attribute_text(first: int, of: str, attribute: Attribute) -> str:
     """
     name, value, measure = attribute
     key = quoted(name)
-    item = _ITEMS[measure] % (key, quoted(value) if isinstance(value, str) else real(value))
+    if isinstance(value, str):
+        text = value if len(value) <= LONGEST else f"{value[: LONGEST - 4]} ..."
+        item = _ITEMS[measure] % (key, quoted(text))
+    else:
+        item = _ITEMS[measure] % (key, real(value))
     definition, general, association, use, representation, last = range(first, first + IDS)
     return _ENTITIES % (
         *(definition, key, of),

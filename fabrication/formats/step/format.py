@@ -11,7 +11,7 @@ from fabrication.checks.solid import check_solid
 from fabrication.formats.base import Contents, Format, Header, Part, Provenance, Whole
 from fabrication.formats.solids import SolidsReport
 from fabrication.formats.step.apart import apart
-from fabrication.formats.step.attributes import MARK, Attribute
+from fabrication.formats.step.attributes import MARK, Attribute, marks_text
 from fabrication.formats.step.compressed import SUFFIX, compressed, is_compressed, unpacked
 from fabrication.formats.step.direct import assembly_bytes, part_bytes
 from fabrication.formats.step.inspect import step_report
@@ -41,7 +41,7 @@ class StepFormat(Format):
     def write_part(self, path: Path, part: Part, about: Provenance) -> None:
         """One product; see `part_bytes`."""
         schema = self._schema(about)
-        marks = " ".join(instance.mark for instance in part.family.instances)
+        marks = marks_text([instance.mark for instance in part.family.instances])
         product = _product(part, (MARK, marks, "text"))
         data = part_bytes(product, path.name, header=about.header, schema=schema)
         path.write_bytes(data)

@@ -81,7 +81,7 @@ def bore_splits(shape: NodeShape) -> list[float]:
     """
     mouths = []
     for drill in drills(shape):
-        if drill.bottom is None and drill.exact:
+        if drill.bottom is None and drill.exact and shape.bore > 0.0:
             low, high = (
                 math.asin(max(-1.0, min(1.0, (drill.hole.across + side) / shape.bore)))
                 for side in (-0.5 * drill.hole.diameter, 0.5 * drill.hole.diameter)
