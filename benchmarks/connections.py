@@ -79,7 +79,7 @@ def measure(kind: str, most: int) -> list[tuple[str, ...]]:
         for role in ("beam", "node"):
             families = [f for f in product.families if f.role == role][:most]
             few = families[: max(2, most // 4)]
-            material = product.material(role)
+            material = product.material(families[0])
             built = median_ms(lambda f: realise(f.shape, product.chord, solid=False), families)
             whole = median_ms(lambda f, m=material: make_part(f, m, shop), families)
             ours = median_ms(lambda f: solid_of(f.shape), families)

@@ -35,7 +35,7 @@ def canopy() -> Whole:
     product = design().product()
     parts = {
         family.number: Part.of(
-            family, realise(family.shape, product.chord, solid=False), product.material(family.role)
+            family, realise(family.shape, product.chord, solid=False), product.material(family)
         )
         for family in product.families
     }

@@ -28,7 +28,7 @@ def made(source: str | None) -> Whole:
         family.number: Part.of(
             family,
             realise(family.shape, product.chord, solid=False),
-            product.material(family.role),
+            product.material(family),
         )
         for family in product.families
     }

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, Self, TypeAlias
+from typing import Any, Literal, Protocol, Self, TypeAlias, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,6 +100,15 @@ class Shape(Protocol):
 
     def dimensions(self) -> Mapping[str, Any]:
         """What schedules list, by column: names end in their units."""
+        ...
+
+
+@runtime_checkable
+class FromStock(Protocol):
+    """A shape that is sawn from a bar."""
+
+    def stock(self) -> tuple[str, float]:
+        """Name of the bar, and the length to saw [mm]."""
         ...
 
 

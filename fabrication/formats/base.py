@@ -18,6 +18,7 @@ from fabrication.specs import (
     Check,
     Color,
     Family,
+    FromStock,
     Kind,
     Mate,
     Placement,
@@ -108,14 +109,20 @@ class Provenance:
 
 @dataclass(frozen=True)
 class Material:
-    """A material: its name and density [kg/m3], and the tolerances that parts of it have.
+    """A material. Parts of other tolerances are of the same material.
 
-    Parts of other tolerances are of the same material.
+    Attributes
+    ----------
+    name : as the parts list has it, with grade and treatment
+    density : [kg/m3]
+    tolerance : what parts of it have
+    category : what it is without grade and treatment
     """
 
     name: str
     density: float
     tolerance: str = field(default="", compare=False)
+    category: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +165,12 @@ class Part:
 
     @property
     def length(self) -> float:
-        """Length [mm] over all, along the longest axis of its own frame."""
+        """Length [mm]: of what is sawn from a bar that of the bar, without what is welded to it.
+
+        Of others over all, along the longest axis of their own frame.
+        """
+        if isinstance(self.shape, FromStock):
+            return self.shape.stock()[1]
         return float(np.ptp(self.mesh.vertices, axis=0).max())
 
     @cached_property

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,7 +20,7 @@ from fabrication.gridshell.compas import Compas
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.remedies import remedies
 from fabrication.gridshell.room import CHORD_MM, gaps_kept
-from fabrication.gridshell.schedules import CONVENTIONS, schedules
+from fabrication.gridshell.schedules import CONVENTIONS, materials, schedules
 from fabrication.gridshell.schedules.order import order_rows, tolerances
 from fabrication.job.problems import FailedCheck
 from fabrication.job.product import Product
@@ -67,17 +69,28 @@ class GridshellProduct(Product):
         said = [f"{agree}{', '.join(open_points)}."] if open_points else []
         self.conventions = (*said, *CONVENTIONS)
 
-    def material(self, role: Role) -> Material:
-        """Steel and glass, of densities and tolerances in the project."""
+    def material(self, family: Family) -> Material:
+        """As the parts list names it, of densities and tolerances in the project."""
+        name, role = self._material_names(family), family.role
+        return replace(self._materials[role], name=name)
+
+    @cached_property
+    def _material_names(self) -> Callable[[Family], str]:
+        return materials(self.design.project)
+
+    @cached_property
+    def _materials(self) -> dict[Role, Material]:
+        """By role, without grade and treatment."""
         project = self.design.project
         limits = tolerances(project)
+        steel, node, beam = "Steel", project.node, project.beam
         return {
-            BEAM.role: Material(project.beam.material, project.beam.density, limits[BEAM.role]),
-            NODE.role: Material("Steel", project.node.density, limits[NODE.role]),
-            BASE.role: Material("Steel", project.node.density, limits[NODE.role]),
-            PANEL.role: Material("Glass", project.panel.density, limits[PANEL.role]),
-            FASTENER.role: Material("Steel", steel_density()),
-        }[role]
+            BEAM.role: Material("", beam.density, limits[BEAM.role], beam.material),
+            NODE.role: Material("", node.density, limits[NODE.role], steel),
+            BASE.role: Material("", node.density, limits[NODE.role], steel),
+            PANEL.role: Material("", project.panel.density, limits[PANEL.role], "Glass"),
+            FASTENER.role: Material("", steel_density(), category=steel),
+        }
 
     def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
         """See `fabrication.gridshell.schedules`."""

@@ -12,7 +12,7 @@ from fabrication.formats.registry import find
 from fabrication.job.problems import FailedCheck
 from fabrication.job.sources import Sources
 from fabrication.project.sections import OutputSettings, Verify
-from fabrication.specs import Check, Family, Mate, Piece, Role, TriangleMesh
+from fabrication.specs import Check, Family, Mate, Piece, TriangleMesh
 from fabrication.table import Table
 
 
@@ -52,8 +52,8 @@ class Product(ABC):
     nothing_helps: str = ""
 
     @abstractmethod
-    def material(self, role: Role) -> Material:
-        """What parts of a role are made of."""
+    def material(self, family: Family) -> Material:
+        """What parts of a number are made of, as schedules name it."""
 
     @abstractmethod
     def schedules(self, masses: Mapping[str, float]) -> Mapping[str, Table]:

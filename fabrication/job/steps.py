@@ -105,7 +105,7 @@ class Steps:
     def _make(self) -> None:
         """All part numbers, in the pool."""
         families = self.product.families
-        orders = [(family, self.product.material(family.role)) for family in families]
+        orders = [(family, self.product.material(family)) for family in families]
         for folder in {path.parent for f in families for _, path in self.shop.files(f)}:
             folder.mkdir(parents=True, exist_ok=True)
         self.progress("parts", 0, len(orders))

@@ -23,10 +23,9 @@ from fabrication.linkage.page import REPORT, Html, MovingScene
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.linkage.scene import lying_broad, moving_scene, report_page
-from fabrication.linkage.schedules import marks_of
+from fabrication.linkage.schedules import is_printed, marks_of, material
 from fabrication.motion.free_range import poses_to_confirm
-from fabrication.parts.pin import PIN
-from fabrication.specs import Check, Family, Role, TriangleMesh
+from fabrication.specs import Check, Family, TriangleMesh
 from fabrication.table import Table
 
 
@@ -46,12 +45,11 @@ class KitProduct(Product):
         self.seconds, self.sources = kit.seconds, kit.project.sources
         self.title = kit.project.project.block(self.name, self.output.author)
 
-    def material(self, role: Role) -> Material:
-        """What the printer prints; metal pins are of steel."""
-        settings = self.kit.linkage.settings
-        metal = role == PIN.role and settings.pin == "metal"
-        name = "Steel" if metal else settings.printer.material
-        return Material(name, self.kit.density(role))
+    def material(self, family: Family) -> Material:
+        """What the printer prints; metal pins are of steel rods."""
+        name = material(self.kit.linkage, family.kind)
+        printed = is_printed(family.kind, self.kit.linkage.settings)
+        return Material(name, self.kit.density(family.role), category=name if printed else "Steel")
 
     def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
         """See `fabrication.linkage.schedules` and `fabrication.linkage.lists`."""

@@ -79,7 +79,7 @@ def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
                 "number": family.number,
                 "role": family.role,
                 "count": len(marks),
-                "material": _material(linkage, family.kind),
+                "material": material(linkage, family.kind),
                 **dict.fromkeys(DIMENSIONS),
                 **family.shape.dimensions(),
                 "mass_g": 1000.0 * masses[family.number],
@@ -93,7 +93,8 @@ def bom_rows(linkage: Linkage, masses: Masses) -> list[Row]:
     return rows
 
 
-def _material(linkage: Linkage, kind: Kind) -> str:
+def material(linkage: Linkage, kind: Kind) -> str:
+    """What parts of a kind are made of."""
     settings = linkage.settings
     return settings.printer.material if is_printed(kind, settings) else "steel rod"
 

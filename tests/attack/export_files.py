@@ -53,7 +53,7 @@ def written() -> tuple[Path, Whole, Part]:
     """A folder with files of every format, what they hold, and a part."""
     made = design(barrel(1, 2)).product()
     parts = {
-        f.number: Part.of(f, realise(f.shape, made.chord, solid=False), made.material(f.role))
+        f.number: Part.of(f, realise(f.shape, made.chord, solid=False), made.material(f))
         for f in made.families
     }
     tables = {name: list(rows) for name, rows in made.schedules(dict.fromkeys(parts, 1.0)).items()}

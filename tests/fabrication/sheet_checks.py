@@ -109,7 +109,7 @@ def whole_of(made: HasProduct, role: str = "") -> Whole:
         family.number: Part.of(
             family,
             realise(family.shape, product.chord, solid=False),
-            product.material(family.role),
+            product.material(family),
         )
         for family in product.families
         if role in ("", family.role)

@@ -13,15 +13,24 @@ from typing import Any
 
 import pytest
 from step_products import INSTANCES, STEEL, products
+from test_formats_step_back import material_of
 from wholes import whole_of
 
 from ddgfab.errors import InputError
 from fabrication.formats.base import Contents, Whole
 from fabrication.formats.report import inspect_file
-from fabrication.formats.step import assembly_bytes
+from fabrication.formats.step import assembly_bytes, part_bytes
+from fabrication.formats.step.attributes import Attribute
 from fabrication.formats.step.compressed import unpacked
 from fabrication.formats.step.format import COMPRESSED, FORMAT
-from fabrication.formats.step.xcaf import get_name, new_document
+from fabrication.formats.step.records import product_name
+from fabrication.formats.step.xcaf import (
+    components,
+    free_labels,
+    get_name,
+    new_document,
+    read_document,
+)
 from fabrication.gridshell.design import design
 
 BALL = Path(__file__).parents[2] / "examples" / "koebe_ball.toml"
@@ -98,6 +107,48 @@ def test_occt_finds_the_attributes_by_key(ball: Whole, tmp_path: Path) -> None:
     FORMAT.write_part(tmp_path / "PP-001.step", part, ball.about)
     (own,) = named_data(tmp_path / "PP-001.step").values()
     assert own["mark"].split() == [instance.mark for instance in part.family.instances]
+
+
+def materials(path: Path) -> dict[str, tuple[str, float]]:
+    """Material and density [kg/m3] that OCCT finds for parts, by their names."""
+    from OCP.XCAFDoc import XCAFDoc_MaterialTool, XCAFDoc_ShapeTool
+
+    document, _ = read_document(path)
+    found = {}
+
+    def walk(label: Any) -> None:
+        if XCAFDoc_ShapeTool.IsAssembly_s(label):
+            for _, target in components(label):
+                walk(target)
+            return
+        density = XCAFDoc_MaterialTool.GetDensityForShape_s(label)  # g/mm3
+        found[get_name(label)] = (material_of(label), round(density * 1e6, 6))
+
+    for label in free_labels(document):
+        walk(label)
+    return found
+
+
+def test_attributes_are_not_taken_for_materials(tmp_path: Path) -> None:
+    """OCCT takes all representations of a product for its material: a mass was its density."""
+    path = tmp_path / "a.step"
+    stated: list[Attribute] = [
+        ("material", "of another name", "text"),
+        ("mass", 12.5, "mass"),
+        ("length", 1234.5, "length"),
+        ("part number", "BP-001", "text"),
+    ]
+    for order in (stated, stated[::-1]):
+        made = [replace(product, attributes=tuple(order)) for product in products()]
+        expected = {
+            product_name(product.number): (product.material.name, product.material.density)
+            for product in made
+            if product.material
+        }
+        path.write_bytes(assembly_bytes(made, INSTANCES, name="Roof", file_name="a.step"))
+        assert materials(path) == expected
+        path.write_bytes(part_bytes(made[0], "a.step"))
+        assert materials(path) == {name: expected[name] for name in [product_name(made[0].number)]}
 
 
 def freecad(path: Path, folder: Path, **settings: bool) -> list[str]:

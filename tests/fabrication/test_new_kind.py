@@ -39,7 +39,7 @@ from fabrication.parts.node import NODE, NodeShape
 from fabrication.project.sections import OutputSettings, Verify
 from fabrication.solids import boundary_of, genus_of, mesh_of, realise, second_volume_of, solid_of
 from fabrication.solids.builder import BoundaryBuilder, Coedges
-from fabrication.specs import Check, Kind, Piece, Placement, Role, TriangleMesh
+from fabrication.specs import Check, Family, Kind, Piece, Placement, TriangleMesh
 from fabrication.table import Table
 from fabrication.variants import Variants, key_of
 
@@ -289,7 +289,7 @@ class Brackets(Product):
         self.output = OutputSettings(formats=defaults(printed=True))
         self.seconds: dict[str, float] = {}
 
-    def material(self, role: Role) -> Material:
+    def material(self, family: Family) -> Material:
         return STEEL
 
     def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:

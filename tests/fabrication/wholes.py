@@ -14,7 +14,7 @@ def whole_of(design: Design, failed: frozenset[str] = frozenset()) -> Whole:
         family.number: Part.of(
             family,
             realise(family.shape, product.chord, solid=False),
-            product.material(family.role),
+            product.material(family),
         )
         for family in product.families
     }

@@ -45,7 +45,16 @@ class Glb(Format):
         """model.glb; see `glb_bytes`."""
         meshes = {number: part.mesh for number, part in whole.parts.items()}
         masses = {number: part.mass for number, part in whole.parts.items()}
-        data = glb_bytes(whole.shown, meshes, whole.failed, masses=masses, movement=self.movement)
+        about = whole.about
+        data = glb_bytes(
+            whole.shown,
+            meshes,
+            whole.failed,
+            name=about.project,
+            masses=masses,
+            movement=self.movement,
+            about={"origin_mm": list(about.origin)} if any(about.origin) else None,
+        )
         (folder / MODEL).write_bytes(data)
         return []
 

@@ -36,8 +36,9 @@ def glb_bytes(
     name: str = "model",
     masses: Mapping[str, float] | None = None,
     movement: Movement | None = None,
+    about: Mapping[str, Any] | None = None,
 ) -> bytes:
-    """The model as GLB; nodes have mark, number, role, mass and state as `extras`.
+    """The model as GLB; nodes have mark, number, role, mass and status as `extras`.
 
     Parameters
     ----------
@@ -46,6 +47,7 @@ def glb_bytes(
     failed : marks of pieces that are shown in red
     masses : by part number [kg]
     movement : how pieces move; the first animation of the file
+    about : `extras` of the root, whose name is `name`
     """
     buffers = _Buffers()
     for mesh in shaded([meshes[family.number] for family in families]):
@@ -53,6 +55,8 @@ def glb_bytes(
         buffers.add("normals", converted_normals(mesh.normals).astype("<f4"))
         buffers.add("triangles", mesh.triangles.astype("<u4").reshape(-1, 1))
     scene = _scene(families, failed, name, masses or {}, movement)
+    if about:
+        scene["nodes"][0]["extras"] = dict(about)
     if movement is not None:
         scene["animations"] = [_animated(scene["nodes"], movement, buffers)]
     document = {
@@ -95,7 +99,7 @@ def _scene(
             key = (family.number, instance.mark in failed)
             groups[family.kind].append(1 + len(groups) + len(nodes))
             extras: dict[str, Any] = {"mark": instance.mark, "number": family.number}
-            extras |= {"role": family.role, "status": "failed" if key[1] else "ok"}
+            extras |= {"role": family.role, "status": "rejected" if key[1] else "ok"}
             if family.number in masses:
                 extras |= {"mass_kg": masses[family.number]}
             moves = movement is not None and instance.mark in movement.placements

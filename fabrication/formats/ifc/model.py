@@ -114,8 +114,8 @@ class _Model:
             f"IFCELEMENTASSEMBLY('{guid('assembly')}',$,{name},$,'Structure',{self._placed_in},$,$,"
             ".SITE.,.USERDEFINED.)"
         )
-        for above, below in ((project, site), (site, building)):
-            self._relate("IFCRELAGGREGATES", f"tree {above}", f"{above},({below})")
+        for name, above, below in (("site", project, site), ("building", site, building)):
+            self._relate("IFCRELAGGREGATES", f"tree {name}", f"{above},({below})")
         self._relate(
             "IFCRELCONTAINEDINSPATIALSTRUCTURE", "contained", f"({self._assembly}),{building}"
         )
@@ -181,7 +181,8 @@ class _Model:
         if self._pieces:
             self._relate("IFCRELAGGREGATES", "pieces", f"{self._assembly},{listed(self._pieces)}")
         for material, types in self._made_of.items():
-            made = add(f"IFCMATERIAL({_label(material.name)},$,$)")
+            category = _label(material.category.lower()) if material.category else "$"
+            made = add(f"IFCMATERIAL({_label(material.name)},$,{category})")
             density = f"IFCMASSDENSITYMEASURE({real(material.density)})"
             own = add(f"IFCPROPERTYSINGLEVALUE('MassDensity',$,{density},$)")
             add(f"IFCMATERIALPROPERTIES('Pset_MaterialCommon',$,({own}),{made})")

@@ -39,7 +39,7 @@ class DstvNc(Format):
             about.title.number or about.project,
             part.number,
             part.number,
-            part.material.name,
+            part.material.category or part.material.name,
             len(part.family.instances),
             part.material.density,
         )

@@ -155,16 +155,20 @@ class _Text:
                     prefix,
                     width,
                     styles[product.kind],
-                    materials[product.material] if product.material else None,
                 )
             )
             local = [f"{prefix}{i:0{width}d}" for i in (DEFINED, REPRESENTED, SOLID)]
             self.references.append((local[0], local[1]))
             solids.setdefault(product.kind, []).append(local[2])
         self._following = (first + len(products)) * 10**width
-        for product, (definition, _) in zip(products, self.references, strict=True):
+        for index, product in enumerate(products):
             for attribute in product.attributes:
-                self.attribute(definition, attribute)
+                self.attribute(self.references[index][0], attribute)
+            # After the attributes: OCCT takes every representation of a product for its material,
+            # so that a mass or a length would be its density. The last one stays.
+            if product.material is not None:
+                text = _numbered(MATERIAL, width).replace(LOCAL, f"#{first + index}")
+                self.write(text % materials[product.material])
         for kind, members in solids.items():
             self.write(
                 f"#{self.take(1)}=PRESENTATION_LAYER_ASSIGNMENT("
@@ -303,7 +307,6 @@ def _product(
     prefix: str,
     width: int,
     style_id: str,
-    material: tuple[str, str] | None,
 ) -> str:
     """All entities of one product; its ids are the prefix and local ids of some width."""
     values = product.properties
@@ -314,8 +317,6 @@ def _product(
         *measures,
         style_id,
     )
-    if material is not None:
-        text += _numbered(MATERIAL, width).replace(LOCAL, prefix) % material
     with _named(product):
         return text + shell.text(prefix, SHELL, width)
 

@@ -80,6 +80,7 @@ __all__ = [
     "cut_rows",
     "family_masses",
     "joint_rows",
+    "materials",
     "node_rows",
     "panel_rows",
     "schedules",

@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from fabrication.formats.tables import Legend
-from fabrication.gridshell.schedules.common import NUMBER, Described, FromStock, Masses, Row
+from fabrication.gridshell.schedules.common import NUMBER, Described, Masses, Row
 from fabrication.gridshell.schedules.panels import SIZE_STEP_MM, rounded_up, size_class
 from fabrication.parts.panel import M2_PER_MM2, PANEL
-from fabrication.specs import Family, Shape
+from fabrication.specs import Family, FromStock, Shape
 
 BOM: Final = Legend(
     title="Parts list",

@@ -15,7 +15,7 @@ from fabrication.parts.beam import BEAM
 from fabrication.parts.fastener import FASTENER
 from fabrication.parts.node import NODE
 from fabrication.parts.panel import PANEL
-from fabrication.specs import Family, Instance, Kind, Shape
+from fabrication.specs import Family, FromStock, Instance, Kind, Shape
 from fabrication.standards import mass_kg
 from fabrication.standards.fasteners import steel_density
 
@@ -77,15 +77,6 @@ class Described(Protocol):
 
     def described(self) -> str:
         """What they are, in a few words."""
-        ...
-
-
-@runtime_checkable
-class FromStock(Protocol):
-    """A shape that is sawn from a bar."""
-
-    def stock(self) -> tuple[str, float]:
-        """Name of the bar, and the length to saw [mm]."""
         ...
 
 
