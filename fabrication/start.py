@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 
 from fabrication.processes import TOO_LITTLE, too_little
@@ -24,6 +25,8 @@ BAD_INPUT = 2
 
 def main() -> None:
     """Run the console script `ddgfab`, also where only the geometry is installed."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback while modules are loaded
     _open_closed_streams()
     _require_memory()
     for name in THREADS:

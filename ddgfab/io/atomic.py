@@ -5,13 +5,40 @@ from __future__ import annotations
 import errno
 import os
 import secrets
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, Final
 
 from ddgfab.arguments import checked
 from ddgfab.errors import OutputError
+
+_PLACED: Final[deque[tuple[Path, int]]] = deque(maxlen=8)
+
+
+def forget_placed() -> None:
+    """Forget which files were put in their places until now."""
+    _PLACED.clear()
+
+
+def will_be_placed(target: Path, temporary: Path) -> None:
+    """State that `temporary` is about to become `target`: see `placed`."""
+    _PLACED.append((target, temporary.stat().st_ino))
+
+
+def placed() -> list[Path]:
+    """The last files that were put in their places, and stand there.
+
+    For programs that are interrupted, and say what they have written: whether a file was put in
+    its place is asked of the system, as signals come between any two steps.
+    """
+    found = []
+    for target, number in _PLACED:
+        with suppress(OSError):
+            if target.stat().st_ino == number and target not in found:
+                found.append(target)
+    return found
 
 
 @contextmanager
@@ -34,6 +61,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         yield temporary
         with temporary.open("rb+") as stream:
             os.fsync(stream.fileno())
+        will_be_placed(target, temporary)
         temporary.replace(target)
         _sync_folder(target.parent)
     except OSError as error:

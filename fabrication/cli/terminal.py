@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import shlex
-import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ import typer
 from typer.core import TyperGroup
 
 from fabrication.cli.steps import StepPrinter
+from fabrication.cli.stops import STOPS, hidden_stops, stopping
 from fabrication.processes import TOO_LITTLE, too_little
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ DONE, FAILED, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes: every check passed; a check failed; bad usage or input; a fault of the program; ended
 by Ctrl-C. Other signals that end it, SIGTERM and the SIGHUP of a terminal that is closed: 128 and
 their number."""
-
-_ENDING: Final = ("SIGTERM", "SIGHUP")
 
 _REASON: Final = re.compile(r"Invalid value for '?(?P<what>[^']*?)'?: Input should be (?P<how>.*)")
 _EXTRA: Final = re.compile(r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)", re.DOTALL)
@@ -44,12 +42,13 @@ class Session:
 
     Attributes
     ----------
-    outcome : what is printed besides when the command is interrupted
+    outcome : what is printed besides when the command is interrupted; None: the files that it has
+        put in their places, or that nothing was written
     """
 
     def __init__(self, quiet: bool = False, verbose: bool = False) -> None:
         self.quiet, self.verbose = quiet, verbose
-        self.outcome = "nothing was written"
+        self.outcome: str | None = None
         self._steps = StepPrinter(hidden=quiet, timed=verbose)
 
     @property
@@ -103,21 +102,12 @@ def session(debug: bool, quiet: bool = False, verbose: bool = False) -> Iterator
 def errors(debug: bool, run: Session) -> Iterator[None]:
     """One clear message and the right exit code; a traceback only with --debug."""
     from ddgfab.errors import DdgError  # loads numpy: `start` has the errors of that
+    from ddgfab.io.atomic import forget_placed
 
-    ended = INTERRUPTED
-
-    def stop(signum: int, frame: object) -> None:
-        nonlocal ended
-        ended = 128 + signum
-        raise KeyboardInterrupt
-
-    before: dict[int, Any] = {}
-    for name in _ENDING:
-        number = getattr(signal, name, None)  # Windows has no SIGHUP; `nohup` ignores it
-        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
-            before[number] = signal.signal(number, stop)
+    forget_placed()
     try:
-        yield
+        with hidden_stops():
+            yield
     except (typer.Exit, typer.Abort, typer.TyperException):
         run.close()
         raise
@@ -129,8 +119,9 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt as interrupt:
         run.stop()
-        run.fail(f"interrupted: {str(interrupt) or run.outcome}")
-        raise typer.Exit(ended) from None
+        run.fail(f"interrupted: {str(interrupt) or run.outcome or _written()}")
+        STOPS.told = True
+        raise typer.Exit(STOPS.code) from None
     except BrokenPipeError:  # the reader has what it wanted, as in `ddgfab net --list | head`
         sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - nothing is left to be flushed
         raise typer.Exit(DONE) from None
@@ -153,9 +144,16 @@ def errors(debug: bool, run: Session) -> Iterator[None]:
             "This is a fault of ddgfab: run again with --debug and report it."
         )
         raise typer.Exit(FAULT) from None
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+
+
+def _written() -> str:
+    """Which files a command that is interrupted has written."""
+    from ddgfab.io.atomic import placed
+
+    files = [str(path) for path in placed()]
+    if not files:
+        return "nothing was written"
+    return f"{' and '.join(files)} {'is' if len(files) == 1 else 'are'} complete"
 
 
 def _limits_text(error: Exception) -> str | None:
@@ -209,15 +207,27 @@ class Program(TyperGroup):
         if not alone:
             return super().main(args, *rest, **kwargs)
         try:
-            code = super().main(args, *rest, **kwargs)
+            with stopping():
+                code = self._code(args, *rest, **kwargs)
+        except KeyboardInterrupt:
+            code = INTERRUPTED
+        if code == INTERRUPTED and not STOPS.told:  # before or after what a session does
+            write("interrupted", error=True)
+            code = STOPS.code
+        sys.exit(code)
+
+    def _code(self, args: Any, *rest: Any, **kwargs: Any) -> int:
+        """Run it, and print what is wrong with its usage; the exit code."""
+        try:
+            with hidden_stops():
+                code = super().main(args, *rest, **kwargs)
         except typer.TyperException as error:
             if type(error).__name__ != "NoArgsIsHelpError":  # which has shown the help already
                 write(_usage_text(error), error=True)
-            sys.exit(BAD_INPUT)
+            return BAD_INPUT
         except typer.Abort:
-            write("interrupted", error=True)
-            sys.exit(INTERRUPTED)
-        sys.exit(code if isinstance(code, int) else DONE)
+            return INTERRUPTED
+        return code if isinstance(code, int) else DONE
 
 
 def _usage_text(error: typer.TyperException) -> str:

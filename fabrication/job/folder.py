@@ -14,6 +14,7 @@ from types import FrameType, TracebackType
 from typing import Any, Final
 
 from ddgfab.errors import InputError, OutputError, clipped
+from ddgfab.io.atomic import will_be_placed
 from fabrication.job.exchange import holds_mounts, sync_file_system
 from fabrication.job.lock import FolderLock
 from fabrication.job.manifest import MANIFEST, faults, made_from, read_manifest
@@ -204,6 +205,7 @@ class OutputFolder:
         self._require_usable()  # it may have changed while the job ran
         try:
             sync_file_system(self.path)
+            will_be_placed(self.target / MANIFEST, self.path / MANIFEST)
             self.notes += put_in_place(self.path, self.target, self._held.folder)
         except OSError as error:
             raise explain(error, self.target) from error

@@ -6,6 +6,8 @@
 A command that is short of memory ends as it always does, or with a message and nothing written; one
 that is stopped has exit code 128 and the signal's number. No traceback, no core, no process, no
 working folder is left (after SIGKILL, once the next job has looked), and an older result is whole.
+Half of the runs find the files of the run before: a command replaces them, or refuses and changes
+nothing. Single files are as they were or, to the byte, those of a whole run, however a run ended.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import argparse
 import os
 import random
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -59,6 +62,12 @@ LONGEST = 900.0
 
 TOOK: dict[str, float] = {}
 """Seconds by the clock of each line's first run, which is not stopped."""
+
+WHOLE: dict[str, dict[str, bytes]] = {}
+"""Files beside the output folder that each line's first run wrote."""
+
+EXISTS = re.compile(r"error: (?P<name>\S+): exists already; --force replaces it")
+"""The message of a command that does not replace a file unless it is told to."""
 
 
 def lines() -> list[list[str]]:
@@ -117,18 +126,52 @@ def stopped(rng: random.Random, place: Path, words: list[str], took: float) -> s
     _require_clean(said, place, job.pid)
     if code in (-number, 128 + number):  # the first: before Python, or the program, has handlers
         changed = _state(place) ^ before
-        if "are complete" not in said:
-            assert not {c for c in changed if c[0].startswith("out")}, f"changed {sorted(changed)}"
+        names = sorted({path for path, _, _ in changed})
+        if "interrupted: nothing was written" in said:
+            assert not names, f"{number.name}: nothing was written, but {names[:9]}"
+        elif code > 0 and not said.endswith("interrupted\n") and "complete" not in said:
+            assert not names, f"{number.name}: {said[-300:]}, and changed {names[:9]}"
         return f"stopped by {number.name}"
+    if code == 2 and (found := EXISTS.search(said)):
+        _require_refused(found["name"], before, place)
+        return "refused to replace a file"
     assert code in (0, 1), f"{number.name}: exit code {code}: {said[-600:]}"
     return "came through"
+
+
+def _require_refused(name: str, before: set[tuple[str, int, int]], place: Path) -> None:
+    """A file that is not replaced was there before, and nothing is changed."""
+    assert name in {path for path, _, _ in before}, f"refused, but {name} was not there"
+    changed = _state(place) ^ before
+    assert not changed, f"refused to replace {name}, and changed {sorted(changed)}"
+
+
+def written_beside(place: Path) -> dict[str, bytes]:
+    """Files that commands wrote beside the output folder, and what is in them."""
+    known = {path.name for path in inputs.folder().iterdir()} | {"out"}
+    new = [path for path in place.iterdir() if path.name not in known]
+    files = [p for path in new for p in (path, *path.rglob("*")) if p.is_file()]
+    return {str(p.relative_to(place)): p.read_bytes() for p in files}
+
+
+def clear(place: Path) -> None:
+    """Remove what commands wrote beside the output folder."""
+    for name in {name.split("/")[0] for name in written_beside(place)}:
+        path = place / name
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def _require_whole(line: str, place: Path) -> None:
+    """Files beside the output folder are whole, or not there."""
+    for name, data in written_beside(place).items():
+        assert WHOLE[line].get(name) == data, f"{name} is not the file of a whole run"
 
 
 def _start(words: list[str], place: Path, prepare: object) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, "-m", "fabrication", *words],
         cwd=place,
-        env=ENVIRONMENT,
+        env={"SOURCE_DATE_EPOCH": "1700000000", **ENVIRONMENT},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -185,11 +228,18 @@ def attack(count: int, folder: Path, *, signals: bool = False, seed: int = 0) ->
         try:
             if signals:
                 if line not in TOOK:
+                    clear(place)
                     begin = time.monotonic()
                     _said(_start(words, place, as_in_a_terminal))
                     TOOK[line] = time.monotonic() - begin
+                    WHOLE[line] = written_beside(place)
+                if WHOLE[line].keys() != written_beside(place).keys() or rng.random() < 0.5:
+                    clear(place)
                 outcome = stopped(rng, place, words, TOOK[line])
+                _require_whole(line, place)
             else:
+                if rng.random() < 0.5:
+                    clear(place)
                 outcome = short_of_memory(rng, place, words)
         except AssertionError as error:
             outcome = f"FAILED {line}: {error}"

@@ -230,6 +230,64 @@ def test_stopping_a_job_leaves_nothing(number: signal.Signals, tmp_path: Path) -
     assert sorted(path.name for path in tmp_path.iterdir()) == ["roof.obj"]
 
 
+STOPPED = """
+import os, sys
+from ddgfab.io.atomic import atomic_write
+from fabrication.cli import app
+from fabrication.cli.terminal import session
+
+@app.command("stopped")
+def stopped(number: int, how: str) -> None:
+    stop = lambda: [os.kill(os.getpid(), number), *range(1000)]
+    if how == "before":
+        stop()
+    with session(False):
+        if how == "exec":
+            exec("stop()", {"stop": stop})
+        if how == "library":
+            try:
+                stop()
+            except BaseException:
+                raise ImportError("initialization failed")
+        if how == "written":
+            with atomic_write("a.txt") as stream:
+                stream.write(b"a")
+            stop()
+    stop()
+
+app()
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are POSIX's")
+@pytest.mark.parametrize(
+    ("how", "name", "said"),
+    [
+        ("before", "SIGHUP", ""),
+        ("exec", "SIGINT", ": nothing was written"),
+        ("exec", "SIGTERM", ": nothing was written"),
+        ("exec", "SIGHUP", ": nothing was written"),
+        ("library", "SIGTERM", ": nothing was written"),
+        ("written", "SIGHUP", ": a.txt is complete"),
+        ("after", "SIGTERM", ""),
+    ],
+)
+def test_signals_at_any_time_end_with_their_code_and_a_true_message(
+    how: str, name: str, said: str, tmp_path: Path
+) -> None:
+    """Dataclasses are made by exec, and libraries make an error of what comes as they load."""
+    number = getattr(signal, name)
+    done = subprocess.run(
+        [sys.executable, "-c", STOPPED, "stopped", str(int(number)), how],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        preexec_fn=as_in_a_terminal,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])},
+    )
+    assert (done.returncode, done.stderr) == (128 + number, f"interrupted{said}\n")
+
+
 @pytest.mark.slow
 def test_a_killed_job_leaves_no_workers(tmp_path: Path) -> None:
     """SIGKILL of the parent alone: its workers end, and the next job clears what it left."""
