@@ -77,6 +77,7 @@ ROOMS = [
     "surfaces_in",
     "table",
     "cutting",
+    "nesting",
     "project",
     "pictures",
     "handover",

@@ -28,6 +28,7 @@ from fabrication.gridshell.optimized import optimized_mesh
 from fabrication.gridshell.plausible import unlikely
 from fabrication.gridshell.project import EXAMPLE, Project
 from fabrication.gridshell.schedules import schedules
+from fabrication.gridshell.schedules.glass import beyond_glass
 from fabrication.gridshell.traced import distance_note, traced_optimum
 from fabrication.progress import Progress, silent
 from fabrication.specs import Family, rejected
@@ -222,7 +223,8 @@ def design_net(project: Project, net: NetInput, progress: Progress | None = None
     stop("support structure")
     start("detail")
     gridshell = detail(net.mesh, support, project, net.groups)
-    net = replace(net, notes=(*net.notes, *_unlikely(project, net.mesh, gridshell)))
+    large = tuple(beyond_glass(gridshell.panels, project))
+    net = replace(net, notes=(*net.notes, *_unlikely(project, net.mesh, gridshell), *large))
     grouped = families(gridshell.pieces, gridshell.family_tolerance)
     stop("detail")
     return Design(project, net, measures, support, gridshell, grouped, seconds, optimized)

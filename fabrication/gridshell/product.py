@@ -44,6 +44,7 @@ class GridshellProduct(Product):
     """A design of a gridshell, to be made."""
 
     chord = CHORD_MM
+    libraries = ("rectpack",)
     shown_first = (
         ASSEMBLY,
         PREVIEW,

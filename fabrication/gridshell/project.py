@@ -34,7 +34,7 @@ from fabrication.project.sections import (
     Section,
     Verify,
 )
-from fabrication.project.shop import RateSettings, StockSettings
+from fabrication.project.shop import GlassStockSettings, RateSettings
 
 EXAMPLE: Final = Path(__file__).parent / "builtin" / "canopy.toml"
 """The built-in example."""
@@ -93,7 +93,7 @@ class Project(Section):
     ground: GroundSettings = GroundSettings()
     panel: PanelSettings = PanelSettings()
     joint: JointSettings = JointSettings()
-    stock: StockSettings = StockSettings()
+    stock: GlassStockSettings = GlassStockSettings()
     rates: RateSettings = RateSettings()
     checks: CheckSettings = CheckSettings()
     output: GridshellOutput = Field(default_factory=GridshellOutput)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from fabrication.cutting import Stock
 from fabrication.formats.tables import Legend
+from fabrication.nesting import SheetStock
 from fabrication.project.sections import NotNegative, Positive, Section
+from fabrication.standards import stock_size
 from fabrication.table import Table
 
 Lengths = Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=20)]
@@ -39,6 +41,47 @@ class StockSettings(Section):
         """The stock itself; `usual` lengths where none are set."""
         lengths = tuple(usual) if self.length_mm == "auto" else self.length_mm
         return Stock(tuple(map(float, lengths)), self.kerf_mm, self.trim_mm)
+
+
+class GlassStockSettings(StockSettings):
+    """[stock]: what bars and glass are cut from, for the cut list and the estimate of glass.
+
+    Attributes
+    ----------
+    glass_mm : smaller and larger side of the sheets of glass that plies are cut from; "auto": the
+        largest sheet of EN 572-2, 3210 x 6000
+    glass_trim_mm : cut off each edge of a sheet of glass
+    glass_gap_mm : land between two panes on a sheet, to break them out and to grind their edges
+    """
+
+    glass_mm: Literal["auto"] | Annotated[tuple[Positive, Positive], Field(strict=False)] = "auto"
+    glass_trim_mm: NotNegative = 20.0
+    glass_gap_mm: NotNegative = 20.0
+
+    @model_validator(mode="after")
+    def _land(self) -> GlassStockSettings:
+        small = min(self.glass())
+        if 2.0 * self.glass_trim_mm >= small:
+            raise ValueError(
+                f"glass_trim_mm = {self.glass_trim_mm:g} at both edges leaves nothing of a sheet "
+                f"of {small:g} mm; less than {small / 2.0:g}"
+            )
+        return self
+
+    def glass(self) -> tuple[float, float]:
+        """Smaller and larger side [mm] of the sheets of glass."""
+        sides = stock_size() if self.glass_mm == "auto" else self.glass_mm
+        return min(sides), max(sides)
+
+    def sheet(self) -> SheetStock:
+        """The sheets of glass, the larger side along x."""
+        small, large = self.glass()
+        return SheetStock(large, small, self.glass_trim_mm, self.glass_gap_mm)
+
+    @property
+    def glass_is_set(self) -> bool:
+        """Whether the project says something of its sheets of glass."""
+        return any(key.startswith("glass_") for key in self.changed())
 
 
 class RateSettings(Section):

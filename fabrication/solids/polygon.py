@@ -36,7 +36,24 @@ def area(points: Floats, corner_radius: float = 0.0) -> Floats:
 
 
 def least_rectangle(points: Floats) -> Floats:
-    """(..., 2) smaller and larger side [mm] of the rectangle of least area round (..., n, 2).
+    """(..., 2) smaller and larger side [mm] of the rectangle of least area round (..., n, 2)."""
+    sides, _ = _least(points)
+    return np.sort(sides, axis=-1)
+
+
+def least_rectangle_turn(points: Floats) -> Floats:
+    """(...,) angle [rad], within half a turn, of the larger side of the least rectangle.
+
+    Turned back by it, points (..., n, 2) fill a rectangle whose larger side lies along x.
+    """
+    sides, along = _least(points)
+    quarter = np.where(sides[..., 0] < sides[..., 1], 0.5 * np.pi, 0.0)
+    angle: Floats = np.arctan2(along[..., 1], along[..., 0]) + quarter
+    return np.mod(angle + 0.5 * np.pi, np.pi) - 0.5 * np.pi
+
+
+def _least(points: Floats) -> tuple[Floats, Floats]:
+    """(..., 2) sides [mm] of the least rectangle, and (..., 2) the direction of the first.
 
     One side of it lies along a side of the convex hull, so the directions of all pairs suffice.
     """
@@ -50,4 +67,4 @@ def least_rectangle(points: Floats) -> Floats:
     sides = np.concatenate(
         [np.take_along_axis(lengths, best, -1), np.take_along_axis(widths, best, -1)], axis=-1
     )
-    return np.sort(sides, axis=-1)
+    return sides, np.take_along_axis(along, best[..., None], -2)[..., 0, :]

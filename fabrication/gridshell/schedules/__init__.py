@@ -25,6 +25,7 @@ from fabrication.gridshell.schedules import (
     bolts,
     bom,
     cutting,
+    glass,
     joints,
     nodes,
     panels,
@@ -35,6 +36,7 @@ from fabrication.gridshell.schedules.beams import beam_rows
 from fabrication.gridshell.schedules.bom import bom_rows, size_rows
 from fabrication.gridshell.schedules.common import Masses, family_masses
 from fabrication.gridshell.schedules.cutting import ROUND_MM, cut_rows, usual_lengths
+from fabrication.gridshell.schedules.glass import glass_rows
 from fabrication.gridshell.schedules.joints import joint_rows, strip_rows
 from fabrication.gridshell.schedules.nodes import node_rows
 from fabrication.gridshell.schedules.order import order_rows
@@ -96,9 +98,10 @@ def schedules(
     """The tables of a gridshell by name.
 
     "order" (what holds for all parts of a kind), "bom", "panels", "beams" and "nodes", and where
-    there are such: "sizes" of panes, "joints" between them and "strips" along these, "bars" (the
-    cut list) and "stock", "plates", "bases" (base plates), "bolts", "anchors", "fasteners" and
-    "costs". Families are found, and masses computed from the shapes, where they are not given.
+    there are such: "sizes" of panes, "glass" to buy and "nesting" (where each ply lies on it),
+    "joints" between panes and "strips" along these, "bars" (the cut list) and "stock", "plates",
+    "bases" (base plates), "bolts", "anchors", "fasteners" and "costs". Families are
+    found, and masses computed from the shapes, where they are not given.
     """
     project = gridshell.project
     if families is None:
@@ -108,12 +111,15 @@ def schedules(
 
     made_of = materials(project)
     along = joint_rows(gridshell)
+    glazing, nested = glass_rows(families, project)
     bars, stock = cut_rows(families, _stock_of(project), made_of)
     found = {
         "order": (order_rows(gridshell), ORDER_LEGEND),
         "bom": (bom_rows(families, masses, made_of), bom.BOM),
         "panels": (panel_rows(gridshell, families, masses), panels.LEGEND),
         "sizes": (size_rows(families, masses), bom.SIZES),
+        "glass": (glazing, glass.GLASS),
+        "nesting": (nested, glass.NESTING),
         "joints": (along, joints.LEGEND),
         "strips": (strip_rows(along), joints.STRIPS),
         "beams": (beam_rows(gridshell, families, masses), beams.LEGEND),

@@ -67,6 +67,12 @@ def _panes(gridshell: Gridshell) -> Iterator[Row]:
         yield of.row("inner panes at the boundary", stand, "step_mm")
     yield of.row("holes and notches", "none", "kind")
     yield of.row("tolerances", tolerances(project)[PANEL.role], "tolerances")
+    stock, cut = project.stock, Statements("panes", "stock", project.stock)
+    sheet = " x ".join(f"{side:g}" for side in stock.glass())
+    yield cut.row("estimate of glass: sheets of stock", f"{sheet} mm", "glass_mm")
+    trim, land = f"{stock.glass_trim_mm:g} mm", f"{stock.glass_gap_mm:g} mm"
+    yield cut.row("estimate of glass: off each edge of a sheet", trim, "glass_trim_mm")
+    yield cut.row("estimate of glass: between two panes", land, "glass_gap_mm")
     gap, between = f"{panel.gap_mm:g} mm ({panel.gap_at})", Statements("joints", "panel", panel)
     yield between.row("gap between panes", gap, "gap_mm")
     above = f"{gridshell.offset:g} mm above the faces of the mesh"
