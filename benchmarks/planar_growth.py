@@ -1,6 +1,6 @@
 """Planar faces: how processor time and peak memory grow with the number of quads.
 
-Run: python benchmarks/planar_growth.py [--kind wavy] [--backend scipy] [SIDE ...]
+Run: python benchmarks/planar_growth.py [--kind wavy] [SIDE ...]
 
 Each mesh has SIDE x SIDE quads, or AxB; by default about 1,000, 3,000, 10,000, 30,000 and 100,000
 in all. Every run is a process of its own. Seconds are processor time of `optimize`, with its check
@@ -23,7 +23,6 @@ from planarise import ONE_THREAD
 from ddgfab.grid import grid_mesh
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import optimize
-from ddgfab.optimize.linear import SymmetricSolver
 
 SIDES = ("32", "55", "100", "173", "316")
 
@@ -61,20 +60,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="growth of planarization")
     parser.add_argument("sides", nargs="*", default=SIDES)
     parser.add_argument("--kind", default="wavy", choices=("wavy", "noisy", "dome"))
-    parser.add_argument("--backend", choices=SymmetricSolver.available(), help="package to factor")
     parser.add_argument("--one", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.one:
-        if options.backend:
-            SymmetricSolver.available = staticmethod(lambda: (options.backend,))  # type: ignore
         print(json.dumps(one(options.kind, options.one)))
         return
-    print(f"{options.kind}; packages that factor: {', '.join(SymmetricSolver.available())}")
+    print(options.kind)
     print("  faces  seconds  exponent  peak MB  steps    %   mean  greatest  folded  reflex")
     last: dict[str, float] | None = None
     for side in options.sides:
         words = [sys.executable, __file__, "--kind", options.kind, "--one", side]
-        words += ["--backend", options.backend] if options.backend else []
         done = subprocess.run(words, capture_output=True, check=True, text=True, env=ONE_THREAD)
         got = json.loads(done.stdout.splitlines()[-1])
         growth = ""

@@ -50,8 +50,6 @@ class PathOptions:
     """Steps before giving up."""
     max_penalty: float = 1e13
     """Penalty before giving up."""
-    backend: str | None = None
-    """Package that factors, of `SymmetricSolver.available`; by default chosen by size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +104,7 @@ class _Walker:
         self.merit, self.violation, self.options = Merit(problem), violation, options
         self.x = problem.start.copy()
         self.damping = _DAMPING
-        self.solver = SymmetricSolver(options.backend, self.merit.nodes)
+        self.solver = SymmetricSolver(self.merit.nodes)
         self.history: list[Step] = []
         self._progress = progress
 
