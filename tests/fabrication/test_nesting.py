@@ -149,6 +149,8 @@ def test_plies_of_panes_lie_on_stock_without_overlap(
         turned = own_shape[numbers[row["mark"]]] @ np.array([[c, s], [-s, c]])
         assert np.ptp(turned, axis=0) == pytest.approx([row["width_mm"], row["height_mm"]])
         placed = turned - turned.min(axis=0) + [row["x_mm"], row["y_mm"]]
+        origin = [row["origin_x_mm"], row["origin_y_mm"]]
+        assert turned + origin == pytest.approx(placed)
         assert placed.min() >= 20.0 - NEAR
         assert (placed.max(axis=0) <= np.array([2600.0, 2000.0]) - 20.0 + NEAR).all()
         key = (row["pane"], row["ply_mm"], row["sheet"])

@@ -1,4 +1,4 @@
-"""DXF: what is cut from plate or glass, 1:1 in millimeters; a file a part number."""
+"""DXF: what is cut from plate or glass, 1:1 in mm; a file a part number, one of nesting."""
 
 from __future__ import annotations
 
@@ -11,15 +11,28 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ddgfab.errors import DdgError, InputError, clipped
-from fabrication.formats.base import Format, Part, Provenance
+from fabrication.formats.base import Contents, Format, Part, Provenance, Whole
 from fabrication.formats.dxf.engrave import engraved
+from fabrication.formats.dxf.nested import nested_lines
 from fabrication.formats.dxf.read import Polyline, read_dxf
-from fabrication.formats.dxf.write import CUT, DETAIL, ENGRAVE, MARK, dxf_text
+from fabrication.formats.dxf.write import (
+    CUT,
+    DETAIL,
+    ENGRAVE,
+    MARK,
+    NESTED_LAYERS,
+    dxf_text,
+    lines_text,
+)
+from fabrication.formats.nested import NESTING, stock_sheets
 from fabrication.formats.report import FileReport
 from fabrication.solids import boundary_of
 from fabrication.solids.plate import OfPlates, Plate, plate
 from fabrication.solids.section import section_area
 from fabrication.specs import Check, Family, Loop
+
+NESTED: Final = f"{NESTING}.dxf"
+"""File of the glass on its sheets of stock."""
 
 PLACED: Final = 1e-6
 """How far [mm] a corner may be from where the part has it, at 1 m."""
@@ -80,6 +93,31 @@ class Dxf(Format):
             off = abs(found - volume) / volume
             checks.append(Check("dxf volume", off <= PLACED, off, PLACED))
         return checks
+
+    def whole_files(self, contents: Contents) -> list[str]:
+        """Glass on stock, where panes are nested."""
+        return [NESTED] if NESTING in contents.tables else []
+
+    def write_whole(self, folder: Path, whole: Whole) -> list[str]:
+        """All sheets of stock with their panes, 1:1."""
+        if NESTING in (whole.tables or {}):
+            drawn = nested_lines(stock_sheets(whole))
+            text = lines_text(drawn, self.option(whole.about, "release"), NESTED_LAYERS)
+            (folder / NESTED).write_text(text, "ascii", newline="\r\n")
+        return []
+
+    def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
+        """Read back: every line of the sheets of stock is there, those to be cut are closed."""
+        if NESTING not in (whole.tables or {}):
+            return []
+        try:
+            found = read_dxf(folder / NESTED)
+        except InputError as error:
+            return [Check("dxf of nesting readable", False, str(error))]
+        have = [(one.layer, len(one.loop.points), one.closed) for one in found]
+        lines = nested_lines(stock_sheets(whole))
+        want = [(layer, len(loop.points), closed) for layer, loop, closed in lines]
+        return [Check("dxf of nesting complete", have == want, float(len(have)), float(len(want)))]
 
     def inspect(self, path: Path) -> FileReport:
         """Closed polylines by layer; open ones on CUT are a problem."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Final
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -20,6 +20,13 @@ LAYERS: Final = (Layer(CUT, 7), Layer(ENGRAVE, 5), Layer(MARK, 3), Layer(DETAIL,
 """Layers and their colors by index: what is cut through; what is engraved into metal; what glass
 is marked with, to be read from outside; the outline of the smaller face."""
 
+STOCK: Final = "STOCK"
+NESTED_LAYERS: Final = (*LAYERS, Layer(STOCK, 1))
+"""The same with the borders and titles of sheets of stock."""
+
+Drawn: TypeAlias = tuple[str, Loop, bool]
+"""A layer, a line on it, and whether the line is closed."""
+
 _FIRST_HANDLE: Final = 0x1000
 
 
@@ -34,14 +41,20 @@ def dxf_text(
     ----------
     marks : open lines for a layer, ENGRAVE or MARK
     """
-    before, after, owner = template(release, LAYERS)
+    drawn: list[Drawn] = [(CUT, loop, True) for loop in flat.loops]
+    drawn += [(DETAIL, loop, True) for loop in flat.other]
+    drawn += [(layer, Loop(points, np.zeros(len(points))), False) for points in marks]
+    return lines_text(drawn, release, LAYERS)
+
+
+def lines_text(drawn: Iterable[Drawn], release: str, layers: tuple[Layer, ...]) -> str:
+    """Lines on layers as DXF of a release, R2010 or R12."""
+    before, after, owner = template(release, layers)
     handles = iter(range(_FIRST_HANDLE, 1 << 32))
-    drawn = [(CUT, loop) for loop in flat.loops] + [(DETAIL, loop) for loop in flat.other]
     draw = _lightweight if release != "R12" else _vertices
-    entities = [line for on, loop in drawn for line in draw(on, loop, handles, owner)]
-    for points in marks:
-        open_line = Loop(points, np.zeros(len(points)))
-        entities += draw(layer, open_line, handles, owner, closed=False)
+    entities = [
+        line for on, loop, closed in drawn for line in draw(on, loop, handles, owner, closed=closed)
+    ]
     seed = f"{next(handles):X}"
     return before.replace("$SEED$", seed) + "".join(f"{line}\n" for line in entities) + after
 

@@ -13,6 +13,8 @@ from fabrication.drawings.dxf import sheets_dxf
 from fabrication.drawings.pdf import Page, page_of, pdf_bytes
 from fabrication.drawings.sheet import Sheet
 from fabrication.formats.base import Contents, Format, Whole
+from fabrication.formats.nested import NESTING
+from fabrication.formats.sheets.nesting import GLASS_ON_STOCK, nesting_sheets
 from fabrication.formats.sheets.overview import (
     ERECTION,
     OVERVIEW,
@@ -24,6 +26,9 @@ from fabrication.specs import Check, Family
 
 SHEETS: Final = "sheets"
 """Folder of the sheets."""
+
+PLANS: Final = (OVERVIEW, ERECTION, GLASS_ON_STOCK)
+"""Groups of sheets that are not about one part number."""
 
 ALL: Final = "all"
 """Name of the file of all sheets."""
@@ -43,7 +48,7 @@ class Sheets(Format):
         names = [*groups(contents.families, contents.tables), ALL]
         dxf: list[str] = []
         if self.option(contents.about, "dxf") != "none":
-            dxf = [name for name in names if name in (OVERVIEW.lower(), ERECTION.lower())]
+            dxf = [name for name in names if name in map(str.lower, PLANS)]
             dxf += [family.number for family in contents.families if is_drawn(family)]
         return [*map(path_of, names), *map(dxf_of, dxf)]
 
@@ -56,8 +61,9 @@ class Sheets(Format):
         for group, sheet in sheets_of_whole(whole):
             pages.setdefault(group, []).append(page_of(sheet, group))
             if release != "none":
-                plans = group in (OVERVIEW, ERECTION)
-                drawn.setdefault(group.lower() if plans else sheet.subject, []).append(sheet)
+                drawn.setdefault(group.lower() if group in PLANS else sheet.subject, []).append(
+                    sheet
+                )
         for subject, sheets in drawn.items():
             path = folder / dxf_of(subject)
             path.parent.mkdir(exist_ok=True)
@@ -102,6 +108,8 @@ def groups(families: Sequence[Family], tables: Sequence[str]) -> list[str]:
         found.append(OVERVIEW.lower())
         if {"beams", "nodes"} <= set(tables):
             found.append(ERECTION.lower())
+    if NESTING in tables:
+        found.append(GLASS_ON_STOCK.lower())
     found += [family.kind.title.lower() for family in families if is_drawn(family)]
     return list(dict.fromkeys(found))
 
@@ -117,4 +125,6 @@ def sheets_of_whole(whole: Whole) -> Iterator[tuple[str, Sheet]]:
         yield from overview_sheets(whole)
         if {"beams", "nodes"} <= set(whole.tables or ()):
             yield from erection_sheets(whole)
+    if NESTING in (whole.tables or {}):
+        yield from nesting_sheets(whole)
     yield from sheets_of_parts(whole)

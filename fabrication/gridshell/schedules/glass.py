@@ -10,12 +10,13 @@ from typing import Final
 import numpy as np
 
 from ddgfab.errors import ProjectError
+from ddgfab.mesh import Floats
 from fabrication.formats.tables import Legend
 from fabrication.gridshell.part_settings import PanelSettings
 from fabrication.gridshell.pieces import Panel
 from fabrication.gridshell.project import Project
 from fabrication.gridshell.schedules.common import Row
-from fabrication.nesting import Nesting, SheetStock, least_sheets, nest
+from fabrication.nesting import Nested, Nesting, SheetStock, least_sheets, nest
 from fabrication.parts.panel import M2_PER_MM2, PANEL, PanelShape
 from fabrication.solids.polygon import least_rectangle_turn
 from fabrication.specs import Family
@@ -62,6 +63,9 @@ NESTING: Final = Legend(
         "height_mm": "of the rectangle along the smaller side",
         "turn_deg": "angle by which the part in its own frame (that of its STEP and DXF) is "
         "turned counterclockwise to lie so, seen from outside",
+        "origin_x_mm": "where the origin of the part's own frame is then, from the left edge of "
+        "the sheet",
+        "origin_y_mm": "the same from the lower edge",
     },
 )
 
@@ -82,7 +86,7 @@ def plies_of(panel: PanelSettings) -> dict[Ply, int]:
 def glass_rows(families: Sequence[Family], project: Project) -> tuple[list[Row], list[Row]]:
     """Rows of the glass to buy, and of every ply on its sheet; none without panes."""
     pieces = [
-        (instance.mark, family.shape.dimensions(), _turn(family.shape))
+        (instance.mark, family.shape.dimensions(), *_lying(family.shape))
         for family in families
         if family.role == PANEL.role and isinstance(family.shape, PanelShape)
         for instance in family.instances
@@ -96,22 +100,26 @@ def glass_rows(families: Sequence[Family], project: Project) -> tuple[list[Row],
     placed: list[Row] = []
     for (pane, thickness), count in plies_of(project.panel).items():
         own = pieces * count
-        sizes = [(d["height_mm"], d["width_mm"]) for _, d, _ in own]  # the larger one along x
+        sizes = [
+            (piece[1]["height_mm"], piece[1]["width_mm"]) for piece in own
+        ]  # the larger one along x
         if count not in known:
             known[count] = nest(sizes, stock)
         found = known[count]
         ply = {"pane": pane, "ply_mm": thickness}
         for number, sheet in enumerate(found.sheets, 1):
             for place in sheet:
-                mark, _, turn = own[place.piece]
+                mark, _, turn, corners = own[place.piece]
                 wide, high = sizes[place.piece][:: -1 if place.turned else 1]
                 angle = math.degrees(-turn) + (90.0 if place.turned else 0.0)
                 at = {"x_mm": place.x, "y_mm": place.y, "width_mm": wide, "height_mm": high}
-                placed.append({**ply, "sheet": number, "mark": mark, **at, "turn_deg": angle})
+                origin = _origin(corners, math.radians(angle), place)
+                where = {"sheet": number, "mark": mark, **at, "turn_deg": angle, **origin}
+                placed.append({**ply, **where})
         for k in found.left:
             size = {"width_mm": sizes[k][0], "height_mm": sizes[k][1], "turn_deg": None}
             none = {"sheet": None, "mark": own[k][0], "x_mm": None, "y_mm": None}
-            placed.append({**ply, **none, **size})
+            placed.append({**ply, **none, **size, "origin_x_mm": None, "origin_y_mm": None})
         cut = [place.piece for sheet in found.sheets for place in sheet]
         area = math.fsum(own[k][1]["area_m2"] for k in cut)
         total = len(found.sheets) * stock.width * stock.height * M2_PER_MM2
@@ -130,14 +138,23 @@ def glass_rows(families: Sequence[Family], project: Project) -> tuple[list[Row],
                 "fill_percent": 100.0 * area / total if total else 0.0,
                 "larger": len(found.left),
                 "basis": ESTIMATE,
-                "marks": " ".join(mark for mark, _, _ in pieces),
+                "marks": " ".join(piece[0] for piece in pieces),
             }
         )
     return bought, placed
 
 
-def _turn(shape: PanelShape) -> float:
-    return float(least_rectangle_turn(np.concatenate([shape.inner, shape.outer])))
+def _lying(shape: PanelShape) -> tuple[float, Floats]:
+    """Angle [rad] of the larger side of the least rectangle, and (n, 2) corners of both faces."""
+    corners = np.concatenate([shape.inner, shape.outer])
+    return float(least_rectangle_turn(corners)), corners
+
+
+def _origin(corners: Floats, angle: float, place: Nested) -> Row:
+    """Where the origin of a turned part is, so that its least corner is at a place."""
+    c, s = math.cos(angle), math.sin(angle)
+    low = (corners @ np.array([[c, s], [-s, c]])).min(axis=0)
+    return {"origin_x_mm": place.x - float(low[0]), "origin_y_mm": place.y - float(low[1])}
 
 
 def beyond_glass(panels: Sequence[Panel], project: Project) -> Iterator[str]:
