@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import Final
+from unicodedata import combining, normalize
 
 from fabrication.drawings.dxf_file import Layer, template
 from fabrication.drawings.sheet import DASHES, WIDTHS, Arc, Fill, Path, Pen, Sheet, Text
@@ -24,6 +25,12 @@ STYLES: Final = {False: "TEXT", True: "BOLD"}
 
 FONTS: Final = (("TEXT", "arial.ttf"), ("BOLD", "arialbd.ttf"))
 
+ANSI: Final = "cp1252"
+"""Python's name of ANSI_1252, the code page of R12 files."""
+
+UNKNOWN: Final = "?"
+"""Stands for a character that the code page has not."""
+
 FIRST_HANDLE: Final = 0x1000
 
 
@@ -38,6 +45,31 @@ def sheets_dxf(sheets: Iterable[Sheet], release: str = "R2010") -> str:
         x += sheet.paper.width + BETWEEN
     seed = f"{writer.handle:X}"
     return before.replace("$SEED$", seed) + "\n".join(writer.lines) + "\n" + after
+
+
+def encoding(release: str) -> str:
+    """How files of a release are encoded: R12 by the code page that its header names."""
+    return ANSI if release == "R12" else "utf-8"
+
+
+def ansi(character: str) -> str:
+    """A character as R12 can have it: itself, its letter without accents, or `UNKNOWN`.
+
+    >>> ansi("ü"), ansi("ř"), ansi("中")
+    ('ü', 'r', '?')
+    """
+    for text in (character, "".join(c for c in normalize("NFKD", character) if not combining(c))):
+        if text and not _lost(text):
+            return text
+    return UNKNOWN
+
+
+def _lost(text: str) -> bool:
+    try:
+        text.encode(ANSI)
+    except UnicodeEncodeError:
+        return True
+    return False
 
 
 class _Entities:
@@ -115,6 +147,6 @@ class _Entities:
             if character in codes:
                 yield codes[character]
             elif self._old and ord(character) > 126:
-                yield old.get(character, f"\\U+{ord(character) & 0xFFFF:04X}")
+                yield old.get(character) or ansi(character)
             else:
                 yield character

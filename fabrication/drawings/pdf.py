@@ -21,6 +21,9 @@ FONTS: Final = {False: "Helvetica", True: "Helvetica-Bold"}
 OTHER_FONT: Final = "DejaVuSans"
 """For characters that the fonts of every reader have not."""
 
+UNKNOWN: Final = "?"
+"""Stands for a character that no font has."""
+
 _KAPPA: Final = 4.0 / 3.0
 
 
@@ -168,11 +171,7 @@ def _fonts(canvas: Any) -> Callable[[str], str]:
 def _other(canvas: Any, text: Text) -> None:
     """A text of characters that need another font: embedded where there is one."""
     font = _other_font()
-    shown = (
-        text.text
-        if font != FONTS[False]
-        else text.text.encode("cp1252", "replace").decode("cp1252")
-    )
+    shown = "".join(UNKNOWN if c in missing(text.text) else c for c in text.text)
     size = text.height / CAPITAL
     if font != FONTS[False]:
         size *= min(1.0, text.width / max(canvas.stringWidth(shown, font, size), 1e-9))
@@ -186,6 +185,20 @@ def _other(canvas: Any, text: Text) -> None:
         "right": canvas.drawRightString,
     }[text.anchor](0, 0, shown)
     canvas.restoreState()
+
+
+@lru_cache(maxsize=8192)
+def missing(text: str) -> frozenset[str]:
+    """The characters of a text that no font has: `UNKNOWN` is printed for them."""
+    from reportlab.pdfbase import pdfmetrics
+
+    if _quoted(text) is not None:
+        return frozenset()
+    font = _other_font()
+    if font == FONTS[False]:
+        return frozenset(c for c in text if _quoted(c) is None)
+    known = pdfmetrics.getFont(font).face.charToGlyph
+    return frozenset(c for c in text if ord(c) not in known)
 
 
 @lru_cache(maxsize=1)

@@ -5,12 +5,12 @@ A file a group, and one of all.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from fabrication.drawings.dxf import sheets_dxf
-from fabrication.drawings.pdf import Page, page_of, pdf_bytes
+from fabrication.drawings.dxf import ansi, encoding, sheets_dxf
+from fabrication.drawings.pdf import Page, missing, page_of, pdf_bytes
 from fabrication.drawings.sheet import Sheet
 from fabrication.formats.base import Contents, Format, Whole
 from fabrication.formats.nested import NESTING
@@ -29,6 +29,9 @@ SHEETS: Final = "sheets"
 
 PLANS: Final = (OVERVIEW, ERECTION, GLASS_ON_STOCK)
 """Groups of sheets that are not about one part number."""
+
+SHOWN: Final = 5
+"""So many characters are named that a file cannot show."""
 
 ALL: Final = "all"
 """Name of the file of all sheets."""
@@ -67,7 +70,8 @@ class Sheets(Format):
         for subject, sheets in drawn.items():
             path = folder / dxf_of(subject)
             path.parent.mkdir(exist_ok=True)
-            path.write_text(sheets_dxf(sheets, release), "utf-8", newline="\r\n")
+            text = sheets_dxf(sheets, release)
+            path.write_text(text, encoding(release), newline="\r\n")
         title = whole.about.title
         for group, own in pages.items():
             data = pdf_bytes(own, f"{title.title}: {group}", title.author, title.number)
@@ -75,7 +79,7 @@ class Sheets(Format):
         every = [page for own in pages.values() for page in own]
         data = pdf_bytes(every, title.title, title.author, title.number)
         (folder / path_of(ALL)).write_bytes(data)
-        return []
+        return list(_unprinted(every, drawn if release == "R12" else {}))
 
     def check_whole(self, folder: Path, whole: Whole) -> list[Check]:
         """That the files are there and end as PDF does."""
@@ -89,6 +93,22 @@ class Sheets(Format):
 
 
 FORMAT: Final = Sheets()
+
+
+def _unprinted(pages: Sequence[Page], drawn: Mapping[str, Sequence[Sheet]]) -> Iterator[str]:
+    """Which characters the files do not show."""
+    lost: dict[str, set[str]] = {"PDF": set(), "DXF of R12": set()}
+    for page in pages:
+        for text in page.others:
+            lost["PDF"] |= missing(text.text)
+            if drawn:
+                lost["DXF of R12"] |= {c for c in text.text if ansi(c) == "?" != c}
+    for what, characters in lost.items():
+        if characters:
+            shown = sorted(characters)[:SHOWN]
+            names = ", ".join(f"{c} (U+{ord(c):04X})" for c in shown)
+            more = f" and {len(characters) - SHOWN} more" if len(characters) > SHOWN else ""
+            yield f'sheets as {what}: no letters for {names}{more}, shown as "?"'
 
 
 def path_of(name: str) -> str:
