@@ -16,7 +16,7 @@ from ddgfab.io import read_mesh
 from ddgfab.measures import planarity_percent
 from ddgfab.mesh import Mesh
 from ddgfab.optimize import Change, Limits, PathOptions, mean_edge, optimize
-from ddgfab.optimize.energy import Weights
+from ddgfab.optimize.energy import Weights, energy
 from ddgfab.optimize.frame import Frame
 from ddgfab.optimize.goal import net_problem
 from ddgfab.optimize.goal import violation as violation_of
@@ -24,6 +24,7 @@ from ddgfab.optimize.merit import Merit
 from ddgfab.optimize.net_goals import PLANAR
 from ddgfab.optimize.path import follow
 from ddgfab.optimize.rim import rim_corners
+from ddgfab.optimize.terms.base import LinearTerm, VectorTerm
 
 FLAT = 0.2
 
@@ -177,6 +178,15 @@ def test_edges_that_slide_keep_near_their_lengths(monkeypatch: pytest.MonkeyPatc
 
 def _without(weight: str, of: Callable[..., Weights], *args: object, **options: object) -> Weights:
     return replace(of(*args, **options), **{weight: 0.0})
+
+
+def test_nothing_slides_for_free() -> None:
+    """A mesh without boundary that moves as a whole bends and strains nowhere: sliding holds it."""
+    mesh = torus(12, 0.2)
+    terms = [t for t in energy(mesh, Weights.of(mesh)) if isinstance(t, VectorTerm | LinearTerm)]
+    shifted = (mesh.vertices + np.array([0.1, 0.0, 0.0])).ravel()
+    cost = sum(t.weight * float((t.residual(shifted) ** 2).sum()) for t in terms)
+    assert 1e-3 < cost / (mesh.n_vertices * 0.1**2) < 1e-2
 
 
 def test_flanks_are_not_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
