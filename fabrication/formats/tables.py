@@ -156,11 +156,20 @@ def plain(value: Any, places: int) -> str | int | float | bool | None:
     return str(value)
 
 
+FORMULAS: Final = ("=", "+", "-", "@", "\t", "\r")
+"""Beginnings of texts that spreadsheets take for formulas."""
+
+
 def text_of(value: Any, places: int) -> str:
-    """A cell of the CSV; never in exponent form, never a negative zero."""
+    """A cell of the CSV; never in exponent form, never a negative zero.
+
+    A text that a spreadsheet would run as a formula has an apostrophe before it.
+    """
     cell = plain(value, places)
     if cell is None:
         return ""
     if isinstance(cell, bool):
         return "true" if cell else "false"
+    if isinstance(cell, str) and cell.startswith(FORMULAS):
+        return f"'{cell}"
     return f"{cell:.{places}f}" if isinstance(cell, float) else str(cell)

@@ -93,6 +93,12 @@ def test_no_text_becomes_a_formula_a_link_or_a_number(tmp_path: Path, text: str)
         assert b"<f>" not in archive.read("xl/worksheets/sheet1.xml")
 
 
+@pytest.mark.parametrize("text", ["=1+1", "+cmd|' /C calc'!A0", "-5", "@SUM(A1)", "\t=1"])
+def test_spreadsheets_take_no_text_of_a_csv_for_a_formula(text: str) -> None:
+    (row,) = csv.DictReader(io.StringIO(csv_text([{"grade": text, "angle_deg": -5.0}])))
+    assert row == {"grade": f"'{text}", "angle_deg": "-5.0000"}
+
+
 def test_same_rows_same_bytes(tmp_path: Path) -> None:
     for name in "ab":
         write_xlsx(tmp_path / f"{name}.xlsx", {"beams": ROWS})

@@ -11,8 +11,11 @@ from parts_table import BEAMS, CROSSED, CUT, EXACT, NODES
 
 from ddgfab.errors import DegenerateError
 from fabrication.boundary import Boundary
+from fabrication.parts.node import NodeShape, RadialHole, Seat
+from fabrication.parts.node.drills import bore_splits
 from fabrication.solids import boundary_of, genus_of
 from fabrication.solids.builder import principal_axes
+from fabrication.solids.integrals import properties
 
 
 def exact(name: str) -> Boundary:
@@ -202,3 +205,25 @@ def test_refuses_two_solids() -> None:
     )
     with pytest.raises(DegenerateError, match="6 of 12 faces are connected"):
         both.validate()
+
+
+@pytest.mark.parametrize("azimuths", [(0.3,), (0.0, 0.62), (0.0, 1.5, 3.1, 4.7)])
+def test_faces_of_a_bore_end_beside_the_mouths_of_its_holes(azimuths: tuple[float, ...]) -> None:
+    holes = tuple(
+        RadialHole(a, z, 14.0, None, y)
+        for a in azimuths
+        for z in (-30.0, 30.0)
+        for y in (-9.0, 9.0)
+    )
+    seats = tuple(Seat(a, 76.6, 46.0) for a in azimuths)
+    shape = NodeShape(80.0, 60.0, -60.0, 60.0, seats, holes)
+    splits = bore_splits(shape)
+    assert max(np.diff([*splits, splits[0] + 2.0 * math.pi])) <= math.pi + 1e-12
+    for hole in holes:
+        for turn in (split - hole.azimuth for split in splits):
+            beside = abs(60.0 * math.sin(turn) - hole.across) - 0.5 * hole.diameter
+            assert beside > 0.0 or math.cos(turn) < 0.0
+    boundary = shape.geometry()
+    assert isinstance(boundary, Boundary)
+    boundary.validate()
+    assert properties(boundary).volume == pytest.approx(shape.second_volume(), rel=1e-12)
