@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import io
+import json
+import sys
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from ddgfab.errors import InputError, KernelError, clipped
+from ddgfab.io.regular import read_regular
 from fabrication.formats.base import FAILED_COLOR, REJECTED_KIND, Contents, Format, Part, Whole
+from fabrication.meshes_in.rhino import in_child, limit_memory, model_of
 from fabrication.specs import Check, Color, Kind, Placement, TriangleMesh
 
 MODEL: Final = "model.3dm"
@@ -16,6 +21,9 @@ MODEL: Final = "model.3dm"
 
 VERSION: Final = 7
 """Rhino versions from this one on read the file."""
+
+LIMIT_BYTES: Final = 1 << 30
+"""Larger files are not read back."""
 
 PLACED: Final = 1e-9
 """How far [mm] an instance may stand from where its piece does, at 1 mm from the origin."""
@@ -65,7 +73,8 @@ class Rhino(Format):
             block, on, at = found.get(mark, ("", "", placement))
             wrong += (block, on) != (number, layer)
             size = max(1.0, float(np.abs(placement[:3, 3]).max()))
-            away = max(away, float(np.abs(at - placement).max()) / size)
+            off = float(np.abs(at - placement).max()) / size
+            away = max(away, off if off < np.inf else np.inf)  # what is no number is far away
         return [
             Check("3dm readable", True),
             Check("3dm pieces", len(found) == len(wanted), float(len(found)), float(len(wanted))),
@@ -80,31 +89,45 @@ FORMAT: Final = Rhino()
 def read_pieces(path: Path) -> dict[str, tuple[str, str, Placement]]:
     """Block, layer and placement [units of the file] of every instance, by its name.
 
+    The library that reads the format runs in a process of its own: a damaged file can end that
+    process, not this one.
+
     Raises
     ------
     InputError
-        Missing, or not a Rhino file.
+        Missing, too large, not a Rhino file, or damaged.
     """
-    import rhino3dm
+    data = read_regular(path, LIMIT_BYTES, InputError, what="a Rhino file", advice="split it")
+    found = in_child(data, str(path), __name__)
+    names = json.loads(str(found["names"]))
+    pieces = {}
+    for (name, block, layer), at in zip(names, found["at"], strict=True):
+        if name in pieces:
+            text = f"{clipped(name)} is the name of several instances"
+            raise InputError(text, file=str(path))
+        pieces[name] = (block, layer, at)
+    return pieces
 
-    rhino: Any = rhino3dm
-    if not path.is_file():
-        raise InputError("no such file", file=str(path))
-    model = rhino.File3dm.Read(str(path))
-    if model is None:
-        raise InputError("not a readable Rhino file", file=str(path))
-    found = {}
+
+def main() -> None:
+    """Read a Rhino file from standard input, and write its instances to standard output."""
+    limit_memory()
+    model = model_of(sys.stdin.buffer.read())
+    layers = [layer.Name for layer in model.Layers]
+    names, places = [], [np.empty((0, 4, 4))]
     for item in model.Objects:
         shape = item.Geometry
-        if isinstance(shape, rhino.InstanceReference):
-            block = model.InstanceDefinitions.FindId(shape.ParentIdefId)
-            layer = model.Layers[item.Attributes.LayerIndex].Name
-            at = np.array([[getattr(shape.Xform, f"M{i}{j}") for j in range(4)] for i in range(4)])
-            if item.Attributes.Name in found:
-                name = clipped(item.Attributes.Name)
-                raise InputError(f"{name} is the name of several instances", file=str(path))
-            found[item.Attributes.Name] = (block.Name, layer, at)
-    return found
+        if type(shape).__name__ != "InstanceReference":
+            continue
+        block = model.InstanceDefinitions.FindId(shape.ParentIdefId)
+        index = item.Attributes.LayerIndex
+        layer = layers[index] if 0 <= index < len(layers) else ""
+        names.append((item.Attributes.Name, "" if block is None else block.Name, layer))
+        at = [[getattr(shape.Xform, f"M{i}{j}") for j in range(4)] for i in range(4)]
+        places.append(np.array([at], dtype=np.float64))
+    out = io.BytesIO()
+    np.savez(out, names=np.array(json.dumps(names)), at=np.concatenate(places))
+    sys.stdout.buffer.write(out.getvalue())
 
 
 class _Model:

@@ -219,11 +219,12 @@ def _begin(kernel: bool) -> None:
     expendable()
     if not kernel:
         return
-    from fabrication.formats.step.xcaf import mute
-    from fabrication.solids.kernel import load_kernel
+    with suppress(Exception):  # what needs it says why it cannot be loaded; here nobody listens
+        from fabrication.formats.step.xcaf import mute
+        from fabrication.solids.kernel import load_kernel
 
-    load_kernel()
-    mute()
+        load_kernel()
+        mute()
 
 
 def _end_with_parent() -> None:

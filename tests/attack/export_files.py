@@ -31,8 +31,7 @@ from roofs import barrel  # noqa: E402
 from watch import Watch, run  # noqa: E402
 
 from fabrication import design  # noqa: E402
-from fabrication.formats.base import Part, Whole  # noqa: E402
-from fabrication.formats.registry import find  # noqa: E402
+from fabrication.formats.base import Format, Part, Whole  # noqa: E402
 from fabrication.formats.report import inspect_file  # noqa: E402
 from fabrication.job.folder import OtherProjectError, OutputFolder  # noqa: E402
 from fabrication.job.manifest import write_run  # noqa: E402
@@ -42,15 +41,25 @@ from fabrication.solids import realise  # noqa: E402
 WHOLE = {
     "glb": "model.glb",
     "ifc": "model.ifc",
+    "3dm": "model.3dm",
+    "compas": "net.json",
+    "sheets": "sheets/all.pdf",
     "csv": "schedules/panels.csv",
     "xlsx": "schedules/schedule.xlsx",
 }
 """A file of the whole of each format."""
 
 
+PARTS = ("stl", "3mf", "dxf", "nc1")
+"""Formats of part numbers."""
+
+FORMATS: dict[str, Format] = {}
+"""All of them, from `written` on."""
+
+
 @cache
-def written() -> tuple[Path, Whole, Part]:
-    """A folder with files of every format, what they hold, and a part."""
+def written() -> tuple[Path, Whole, dict[str, Part]]:
+    """A folder with files of every format, what they hold, and a part for each format of parts."""
     made = design(barrel(1, 2)).product()
     parts = {
         f.number: Part.of(f, realise(f.shape, made.chord, solid=False), made.material(f))
@@ -58,12 +67,16 @@ def written() -> tuple[Path, Whole, Part]:
     }
     tables = {name: list(rows) for name, rows in made.schedules(dict.fromkeys(parts, 1.0)).items()}
     whole = Whole(made.about(), parts, made.families, made.families, tables=tables)
-    folder, part = Path(mkdtemp(prefix="sound-")), parts[made.families[0].number]
+    folder = Path(mkdtemp(prefix="sound-"))
     for name in WHOLE:
-        find(name).write_whole(folder, whole)
-    for name in ("stl", "3mf", "dxf"):
-        find(name).write_part(folder / f"part.{name}", part, made.about())
-    return folder, whole, part
+        FORMATS[name] = made.format(name)
+        FORMATS[name].write_whole(folder, whole)
+    of_formats = {}
+    for name in PARTS:
+        FORMATS[name] = made.format(name)
+        of_formats[name] = next(p for p in parts.values() if FORMATS[name].takes(p.family))
+        FORMATS[name].write_part(folder / f"part.{name}", of_formats[name], made.about())
+    return folder, whole, of_formats
 
 
 def _zip(data: bytes, rng: random.Random) -> bytes:
@@ -104,6 +117,11 @@ def _json(data: bytes, rng: random.Random) -> bytes:
     return changed_json(data.decode(), rng).encode("utf-8", "surrogatepass")
 
 
+def damaged_anywhere(data: bytes, rng: random.Random) -> bytes:
+    """Of a format without a grammar here."""
+    return damaged(data, rng.randrange(1 << 30))
+
+
 GRAMMAR: dict[str, Callable[[bytes, random.Random], bytes]] = {
     "stl": _text,
     "3mf": _zip,
@@ -112,6 +130,10 @@ GRAMMAR: dict[str, Callable[[bytes, random.Random], bytes]] = {
     "csv": _text,
     "ifc": _text,
     "dxf": _text,
+    "nc1": _text,
+    "compas": _json,
+    "3dm": damaged_anywhere,
+    "sheets": damaged_anywhere,
     "manifest.json": _json,
     "run.json": _json,
 }
@@ -131,8 +153,8 @@ def attack(watch: Watch, seed: int, folder: Path) -> None:
     if kind.endswith(".json"):
         watch.call(f"{seed} ({kind})", lambda: next_job(kind, seed, folder))
         return
-    sound, whole, part = written()
-    format = find(kind)
+    sound, whole, parts = written()
+    format = FORMATS[kind]
     if kind in WHOLE:
         name = WHOLE[kind]
         place = folder / "whole"
@@ -145,9 +167,9 @@ def attack(watch: Watch, seed: int, folder: Path) -> None:
         path = folder / f"part.{kind}"
         data = (sound / path.name).read_bytes()
         if kind == "stl" and seed % 3 == 0:
-            data = text_stl(part)
+            data = text_stl(parts[kind])
         path.write_bytes(changed(kind, data, seed))
-        watch.call(f"{seed} ({kind})", lambda: require_checks(format.check_part(path, part)))
+        watch.call(f"{seed} ({kind})", lambda: require_checks(format.check_part(path, parts[kind])))
     if format.inspects():
         watch.call(f"{seed} ({kind}, check)", lambda: inspect_file(path).text())
 

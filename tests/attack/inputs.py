@@ -76,14 +76,14 @@ def copied(place: Path) -> None:
 
 
 def _exports(place: Path) -> None:
-    sound, _, part = written()
+    sound, _, parts = written()
     shutil.copytree(sound / "schedules", place / "schedules")
     for path in sound.iterdir():
         if path.is_file():
             shutil.copy2(path, place / path.name)
     shutil.copy2(place / "schedules" / "panels.csv", place / "panels.csv")
     shutil.copy2(place / "schedules" / "schedule.xlsx", place / "schedule.xlsx")
-    (place / "text.stl").write_bytes(text_stl(part))
+    (place / "text.stl").write_bytes(text_stl(parts["stl"]))
 
 
 def _curves(place: Path) -> None:

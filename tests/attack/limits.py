@@ -119,6 +119,8 @@ def stopped(rng: random.Random, place: Path, words: list[str], took: float) -> s
             os.killpg(job.pid, number)
     said = _said(job)
     code = job.returncode
+    if code == -signal.SIGINT and "start.py" not in said:
+        said = ""  # Python itself was stopped, with a traceback, before the program began
     if number == signal.SIGKILL and code == -number:
         OutputFolder(place / "out").prepare()
         _require_clean("", place, job.pid)

@@ -55,7 +55,10 @@ class DstvNc(Format):
         assert found is not None
         bar, section = found
         holes = len(bar.holes) * (2 if section.code == "M" else 1)
-        off = abs(stated_volume(read, part.material.density) / bar.volume - 1.0)
+        try:
+            off = abs(stated_volume(read, part.material.density) / bar.volume - 1.0)
+        except InputError as error:
+            return [Check("nc1 readable", False, str(error))]
         number, pieces = read.header["piece"], int(read.header["quantity"])
         marked = [text for _, _, _, text in read.marks]
         return [
@@ -82,10 +85,20 @@ FORMAT: Final = DstvNc()
 
 
 def stated_volume(read: Nc1, density: float) -> float:
-    """Volume [mm3] of the bar that a file states: a mean length times the section, less holes."""
+    """Volume [mm3] of the bar that a file states: a mean length times the section, less holes.
+
+    Raises
+    ------
+    InputError
+        The file is none of a bar that this program writes: names what is missing.
+    """
     code, depth = read.header["code"], read.value("height")
-    (front,) = (contour for contour in read.contours if contour[0][0] == "v")
-    corners = [(x, y) for _, x, y, _ in front[:-1]]
+    fronts = [contour for contour in read.contours if contour[0][0] == "v"]
+    corners = [(x, y) for _, x, y, _ in fronts[0][:-1]] if len(fronts) == 1 else []
+    if not depth > 0 or len(corners) < 3 or (code != "B" and len(corners) != 4):
+        raise InputError("the height or the contour on face v is not that of a bar")
+    if not all(numbers for _, _, _, numbers in read.holes):
+        raise InputError("a hole has no diameter")
     sides = zip(corners, corners[1:] + corners[:1], strict=True)
     twice = sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in sides)
     drilled = sum(0.25 * math.pi * numbers[0] ** 2 for _, _, _, numbers in read.holes)
@@ -112,7 +125,10 @@ def _middle_of_tee(read: Nc1) -> float:
         (width * flange, depth - 0.5 * flange),
         (2.0 * corner, depth - flange - away),
     )
-    return sum(area * at for area, at in parts) / sum(area for area, _ in parts)
+    area = sum(area for area, _ in parts)
+    if not area > 0:
+        raise InputError("the measures of the tee are not those of a section")
+    return sum(area * at for area, at in parts) / area
 
 
 def _bar_of(family: Family) -> tuple[SawnBar, Section] | None:

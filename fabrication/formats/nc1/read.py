@@ -23,6 +23,7 @@ CODES: Final = ("I", "U", "L", "M", "RO", "RU", "B", "C", "T", "SO")
 SKIPPED: Final = ("IK", "PU", "KO", "SC", "TO", "UE", "PR", "KA", "IN")
 """Blocks that are passed over."""
 
+_QUANTITY: Final = re.compile(r"[0-9]{1,9}")
 _NUMBER: Final = r"(-?\d+(?:\.\d*)?)"
 _POINT: Final = re.compile(rf"([vouh])?\s*{_NUMBER}\s*([ous])?\s*{_NUMBER}\s*([tw])?\s*(.*)")
 _MARK: Final = re.compile(rf"([vouh])\s*{_NUMBER}\s*([ous])?\s*{_NUMBER}\s+{_NUMBER}\s+(\d+)(.*)")
@@ -96,8 +97,9 @@ def _header(rows: list[tuple[int, str]], found: Nc1, path: Path) -> int:
     for (number, row), name in zip(rows[1:], names, strict=False):
         if name in NUMBERS:
             found.header[name] = _number(row.strip().partition(",")[0], path, number)
-        elif name == "quantity" and not row.strip().isdecimal():
-            raise _error(f"the quantity must be a number, not {clipped(row)}", path, number)
+        elif name == "quantity" and not _QUANTITY.fullmatch(row.strip()):
+            text = f"the quantity must be a number of at most nine digits, not {clipped(row)}"
+            raise _error(text, path, number)
         elif name == "code" and row.strip() not in CODES:
             raise _error(f"{clipped(row.strip())} is not a code of profiles", path, number)
         else:
