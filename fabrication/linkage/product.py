@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -26,7 +26,11 @@ from fabrication.linkage.scene import lying_broad, moving_scene, report_page
 from fabrication.linkage.schedules import is_printed, marks_of, material
 from fabrication.motion.free_range import poses_to_confirm
 from fabrication.specs import Check, Family, TriangleMesh
+from fabrication.standards.ordering import node_tolerances
 from fabrication.table import Table
+
+PRINTED: Final = "none stated; fits as tried with the coupon"
+"""Tolerances of printed parts, which depend on the printer: bores have clearances to begin with."""
 
 
 class KitProduct(Product):
@@ -49,7 +53,9 @@ class KitProduct(Product):
         """What the printer prints; metal pins are of steel rods."""
         name = material(self.kit.linkage, family.kind)
         printed = is_printed(family.kind, self.kit.linkage.settings)
-        return Material(name, self.kit.density(family.role), category=name if printed else "Steel")
+        limits = PRINTED if printed else node_tolerances()
+        category = name if printed else "Steel"
+        return Material(name, self.kit.density(family.role), limits, category)
 
     def schedules(self, masses: Mapping[str, float]) -> dict[str, Table]:
         """See `fabrication.linkage.schedules` and `fabrication.linkage.lists`."""

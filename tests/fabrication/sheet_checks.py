@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations, pairwise
+from itertools import pairwise
 
 import numpy as np
 
@@ -53,16 +53,23 @@ def overlapping(sheet: Sheet) -> list[str]:
     found = []
     texts = [text for text in sheet.texts() if text.text.strip()]
     boxes = [corners(text) for text in texts]
-    for (one, a), (two, b) in combinations(zip(texts, boxes, strict=True), 2):
-        if (a.max(0) < b.min(0)).any() or (b.max(0) < a.min(0)).any():
-            continue
-        if inside(grid(a), b, 0.05).any() or inside(grid(b), a, 0.05).any():
-            found.append(f"{one.text!r} lies on {two.text!r}")
+    if not boxes:
+        return found
+    low, high = np.min(boxes, axis=1), np.max(boxes, axis=1)
+    near = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(axis=2)
+    for m, n in zip(*np.nonzero(np.triu(near, 1)), strict=True):
+        if (
+            inside(grid(boxes[m]), boxes[n], 0.05).any()
+            or inside(grid(boxes[n]), boxes[m], 0.05).any()
+        ):
+            found.append(f"{texts[m].text!r} lies on {texts[n].text!r}")
     edges = [followed(item) for item in sheet.outlines]
     if edges:
         points = np.concatenate(edges)
+        points = points[np.argsort(points[:, 0], kind="stable")]
         for text, box in zip(texts, boxes, strict=True):
-            if inside(points, box, 0.05).any():
+            first, last = np.searchsorted(points[:, 0], [box[:, 0].min(), box[:, 0].max()])
+            if inside(points[first:last], box, 0.05).any():
                 found.append(f"{text.text!r} lies on the outline")
     return found
 

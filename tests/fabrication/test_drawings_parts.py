@@ -97,6 +97,7 @@ def test_sheets_of_a_kit() -> None:
     check_sheets(whole)
     for number, sheet in first_sheets(whole).items():
         shape = whole.parts[number].shape
+        assert any("coupon" in t.text or "ISO 2768-1" in t.text for t in sheet.texts())
         if isinstance(shape, LinkShape):
             said = {d.name: written(d) for d in sheet.dimensions}
             assert said["length_mm"] == pytest.approx(shape.length, abs=0.05)
