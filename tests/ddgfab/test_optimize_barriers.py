@@ -111,3 +111,15 @@ def test_infinite_before_a_quad_is_reflex_an_edge_collapses_or_a_face_folds() ->
         points = flat.vertices.copy()
         points[center] = target
         assert any(np.isinf(b.value(points.ravel())) for b in kinds)
+
+
+def test_faces_that_turn_over_their_common_side_are_held_by_the_barriers_of_every_goal() -> None:
+    """Two squares, one turned over the other: their corners and sides stay as they are."""
+    flat = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
+    mesh = Mesh.build(np.array(flat, dtype=float), [[0, 1, 4, 3], [1, 2, 5, 4]])
+    for turn, possible in ((80.0, True), (95.0, False), (170.0, False)):
+        points = mesh.vertices.copy()
+        points[[2, 5], 0] = 1 + np.cos(np.radians(turn))
+        points[[2, 5], 2] = np.sin(np.radians(turn))
+        costs = [barrier.value(points.ravel()) for barrier in barriers(mesh)]
+        assert bool(np.isfinite(costs).all()) == possible
