@@ -131,6 +131,36 @@ def test_damage_is_named(tmp_path: Path, pattern: str, instead: str, message: st
     assert [check.passed for check in FORMAT.check_part(path, part)] == [False]
 
 
+@pytest.mark.parametrize(
+    ("pattern", "instead", "message"),
+    [
+        (r"\r\nAK\r\n  v", "\r\nAK\r\n  o", "the contour on face v"),
+        (r"(BO\r\n  \w +[\d.]+\w? +[\d.-]+).*", r"\1", "a hole has no diameter"),
+        (r"\r\n  3\r\n", "\r\n  " + "9" * 400 + "\r\n", "at most nine digits"),
+    ],
+)
+def test_files_of_other_bars_fail_their_check(
+    tmp_path: Path, pattern: str, instead: str, message: str
+) -> None:
+    part = bar("RHS 100x50x4", *HOLES)
+    path = written(part, tmp_path)
+    text = path.read_bytes().decode("ascii")
+    spoilt, count = re.subn(pattern, instead, text, count=1)
+    assert count == 1
+    path.write_bytes(spoilt.encode("ascii"))
+    (check,) = FORMAT.check_part(path, part)
+    assert not check.passed
+    assert message in str(check.value)
+
+
+def test_large_files_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.nc1"
+    with path.open("wb") as stream:
+        stream.truncate(8 * 1024 * 1024 + 1)
+    with pytest.raises(InputError, match="8"):
+        read_nc1(path)
+
+
 def test_a_changed_hole_or_length_is_found(tmp_path: Path) -> None:
     part = bar("RHS 100x50x4", *HOLES)
     path = written(part, tmp_path)

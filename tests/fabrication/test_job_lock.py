@@ -185,3 +185,29 @@ def test_a_lock_of_windows_is_on_a_byte_that_nobody_reads(
     ((place, mode, count),) = places
     assert place > 4096
     assert (mode, count) == (2, 1)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="folders have advisory locks on POSIX")
+def test_locks_of_two_working_folders_of_one_target_exclude_each_other(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    target.mkdir()
+    first = FolderLock(tmp_path / "beside", target)
+    second = FolderLock(target / "inside", target)
+    first.acquire()
+    with pytest.raises(OutputError, match="another job is writing it"):
+        second.acquire()
+    first.release()
+    second.acquire()
+    second.release()
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_job_that_is_suspended_keeps_its_lock(tmp_path: Path) -> None:
+    """Its sign of life is old; the system knows that it lives."""
+    target = tmp_path / "out"
+    with OutputFolder(target) as folder:
+        cases.fill(folder, "new")
+        os.utime(work_of(target) / "lock", (1.0, 1.0))
+        with pytest.raises(OutputError, match="another job is writing it"):
+            OutputFolder(target).prepare()
+    assert cases.text_of(target) == "new"

@@ -15,6 +15,7 @@ from ddgfab.errors import OutputError
 from fabrication.formats import registry
 from fabrication.formats.base import Header, Provenance, Whole
 from fabrication.gridshell.design import design
+from fabrication.job import exchange as exchange_module
 from fabrication.job import place, run
 from fabrication.job import whole as whole_module
 from fabrication.job.manifest import faults
@@ -116,3 +117,18 @@ def test_seconds_of_the_preview_are_those_it_took(tmp_path: Path, monkeypatch: A
     warnings, checks, seconds = whole_module.draw(tmp_path, whole)
     assert (warnings, checks) == ([], [])
     assert 0.0 <= seconds["preview"] < 5.0  # not the time of the clock
+
+
+def test_mounts_below_a_folder_are_found_in_the_list_of_the_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A bind mount of the same disk shows nowhere else; spaces stand there as octal numbers."""
+    folder = tmp_path / "my out"
+    inside = str(folder / "parts").replace(" ", "\\040")
+    mounts = tmp_path / "mountinfo"
+    monkeypatch.setattr(exchange_module, "_MOUNTS", mounts)
+    mounts.write_text(f"36 35 98:0 /a {inside} rw - ext4 /dev/a rw\n")
+    assert exchange_module.holds_mounts(folder)
+    assert not exchange_module.holds_mounts(tmp_path / "my")
+    mounts.unlink()
+    assert not exchange_module.holds_mounts(folder)
