@@ -22,7 +22,6 @@ INSIDE_FUNCTIONS_ONLY = {
     "xlsxwriter",
     "pandas",
     "lib3mf",
-    "plotly",
     "rectpack",
     "reportlab",
     "rhino3dm",

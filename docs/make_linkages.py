@@ -25,8 +25,10 @@ SHOWN = {"bennett": (0.25, 0.75), "cube": (0.35, 0.7), "knet": (0.45, 0.85), "cr
 def pictures(made: Kit, shown: tuple[float, float]) -> list[Image.Image]:
     """The kit in two poses."""
     scene = moving_scene(made)
-    at = [round(part * (len(scene.values) - 1)) for part in shown]
-    two = replace(scene, motions=scene.motions[at], values=scene.values[at], design=0, touches=())
+    at = [round(part * (len(scene.values_deg) - 1)) for part in shown]
+    two = replace(
+        scene, motions=scene.motions[at], values_deg=scene.values_deg[at], design=0, touches=()
+    )
     drawn = Image.open(io.BytesIO(animation_gif(two, size=SIZE)))
     frames = []
     for place in (0, 1):

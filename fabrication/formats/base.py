@@ -207,6 +207,7 @@ class Whole:
     legends : what they and their columns mean, by name
     plates : for each print plate, what stands where on it
     problems : what failed, a line each; empty but for formats that are reports
+    checks : by mark, as `problems`
     mates : holes that must have one axis
     """
 
@@ -219,6 +220,7 @@ class Whole:
     legends: Mapping[str, Legend] = field(default_factory=dict)
     plates: Sequence[Sequence[Standing]] = ()
     problems: tuple[str, ...] = ()
+    checks: Mapping[str, Sequence[Check]] = field(default_factory=dict)
     mates: Sequence[Mate] = ()
 
     def standing(self) -> Iterator[Standing]:

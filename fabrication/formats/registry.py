@@ -22,6 +22,7 @@ MODULES: Final = {
     "sheets": "fabrication.formats.sheets",
     "csv": "fabrication.formats.csv",
     "xlsx": "fabrication.formats.xlsx",
+    "html": "fabrication.formats.html",
 }
 """Modules whose FORMAT is a format, by its name, in the order in which files are written."""
 

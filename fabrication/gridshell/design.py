@@ -65,12 +65,18 @@ class Design:
         return self.source.mesh
 
     def __repr__(self) -> str:
-        grid = self.gridshell
         return (
-            f"Design({self.project.name}: {len(grid.beams)} beams, {len(grid.nodes)} nodes, "
-            f"{len(grid.panels)} panels of {len(self.families)} part numbers, "
+            f"Design({self.project.name}: {self.summary()}, "
             f"torsion max {self.support.torsion_deg_max:.1e} deg, "
             f"lean max {self.support.lean_deg_max:.1f} deg)"
+        )
+
+    def summary(self) -> str:
+        """The gridshell in a sentence."""
+        grid = self.gridshell
+        return (
+            f"{len(grid.beams)} beams, {len(grid.nodes)} nodes, {len(grid.panels)} panels of "
+            f"{len(self.families)} part numbers"
         )
 
     @cached_property

@@ -10,8 +10,11 @@ from typing import Any, Final
 
 from ddgfab.errors import OutputError
 from ddgfab.optimize.report import comparison
-from fabrication.formats.base import Format, Material
+from fabrication.formats.base import Format, Material, Whole
 from fabrication.formats.glb import MODEL
+from fabrication.formats.html import REPORT, Html
+from fabrication.formats.html.page import Step, Subject
+from fabrication.formats.sheets.erection import rings_of
 from fabrication.formats.step.format import ASSEMBLY
 from fabrication.formats.tables import SCHEDULES
 from fabrication.formats.xlsx import WORKBOOK
@@ -46,6 +49,7 @@ class GridshellProduct(Product):
     chord = CHORD_MM
     libraries = ("rectpack",)
     shown_first = (
+        REPORT,
         ASSEMBLY,
         PREVIEW,
         WORKBOOK,
@@ -98,8 +102,28 @@ class GridshellProduct(Product):
         return schedules(self.design.gridshell, self.families, masses)
 
     def format(self, name: str) -> Format:
-        """The net for COMPAS, and all that every product has."""
-        return Compas(self.design) if name == Compas.name else super().format(name)
+        """The net for COMPAS, the page, and all that every product has."""
+        if name == Compas.name:
+            return Compas(self.design)
+        if name == Html.name:
+            return Html(self._subject())
+        return super().format(name)
+
+    def _subject(self) -> Subject:
+        """What the page tells of the gridshell."""
+        support = self.design.support
+        return Subject(
+            title=self.title.title or self.name,
+            lead=self.design.summary(),
+            facts=[
+                ("net", self.design.source.file or "built in"),
+                ("torsion", f"at most {support.torsion_deg_max:.2g} deg"),
+                ("lean", f"at most {support.lean_deg_max:.2f} deg"),
+            ],
+            notes=self.notes,
+            marks_of=self.marks_of,
+            steps=_rings,
+        )
 
     def clearances(self, meshes: Mapping[str, TriangleMesh]) -> dict[str, list[Check]]:
         """Gaps between neighbours that passed their limits; what is rejected clashes with none."""
@@ -167,3 +191,11 @@ class GridshellProduct(Product):
         except OutputError as error:
             return [f"no {CHANGE}: {error}"]
         return []
+
+
+def _rings(whole: Whole) -> list[Step]:
+    """The rings in which a gridshell goes up."""
+    return [
+        Step(f"ring {n}, {len(ring.marks)} pieces, {ring.mass:,.0f} kg", ring.marks, f"ring {n}")
+        for n, ring in enumerate(rings_of(whole), 1)
+    ]

@@ -260,7 +260,7 @@ class Steps:
         lines = [str(problem) for problem in problems] + lines_of(extra)
         for format in self.formats:
             if format.report:
-                complete = replace(whole, problems=tuple(lines))
+                complete = replace(whole, problems=tuple(lines), checks=checks)
                 verify = self.product.verify != "none"
                 missed, found, seconds = write_whole(format, self.shop.folder, complete, verify)
                 self.warnings += missed

@@ -1,1 +1,1 @@
-"""The product linkage: kinds of mechanism, levels, links, pins, labels, plates, schedules, page."""
+"""The product linkage: kinds of mechanism, levels, links, pins, labels, plates, schedules."""

@@ -14,7 +14,7 @@ from ddgfab.errors import OutputError
 from ddgfab.io.atomic import atomic_path
 from ddgfab.mesh import Floats
 from fabrication.formats.base import Contents, Format, Whole
-from fabrication.linkage.page import MovingScene
+from fabrication.linkage.moving import MovingScene
 from fabrication.pictures.apart import drawn
 from fabrication.pictures.preview import camera
 from fabrication.specs import Check

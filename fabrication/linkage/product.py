@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
 
 from fabrication.formats.base import Format, Material, Standing
 from fabrication.formats.glb import Glb, Movement
+from fabrication.formats.html import REPORT, Html
 from fabrication.formats.step.format import ASSEMBLY
 from fabrication.formats.tables import SCHEDULES
 from fabrication.formats.threemf import plate_file
@@ -19,10 +20,11 @@ from fabrication.job.whole import PREVIEW
 from fabrication.linkage.animation import Gif
 from fabrication.linkage.kit import Kit
 from fabrication.linkage.legends import CONVENTIONS
-from fabrication.linkage.page import REPORT, Html, MovingScene
+from fabrication.linkage.moving import MovingScene
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM
-from fabrication.linkage.scene import lying_broad, moving_scene, report_page
+from fabrication.linkage.report import subject_of
+from fabrication.linkage.scene import lying_broad, moving_scene
 from fabrication.linkage.schedules import is_printed, marks_of, material
 from fabrication.motion.free_range import poses_to_confirm
 from fabrication.specs import Check, Family, TriangleMesh
@@ -97,7 +99,7 @@ class KitProduct(Product):
     def format(self, name: str) -> Format:
         """A page, a model and an animation that move, and all that every product has."""
         if name == Html.name:
-            return Html(self._scene, partial(report_page, self.kit))
+            return Html(subject_of(self.kit, self._scene))
         if name == Gif.name:
             return Gif(self._scene)
         if name == Glb.name:

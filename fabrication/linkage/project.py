@@ -17,7 +17,6 @@ from fabrication.formats.registry import defaults
 from fabrication.job.sources import Sources
 from fabrication.linkage.animation import Gif
 from fabrication.linkage.kinds import BennettLinkage, CrabLinkage, CubeLinkage, KNetLinkage
-from fabrication.linkage.page import Html
 from fabrication.linkage.plates import BED_MM, GAP_MM, MARGIN_MM, Bed
 from fabrication.linkage.settings import LabelStyle, LinkageSettings, PinKind, settings_for
 from fabrication.project.load import explain, sections_in, unknown
@@ -151,10 +150,10 @@ class CheckSettings(Section):
 class KitOutput(OutputSettings):
     """[output]: the files. Kits have few part numbers, so that one process is soonest."""
 
-    own_formats: ClassVar[tuple[str, ...]] = (Html.name, Gif.name)
+    own_formats: ClassVar[tuple[str, ...]] = (Gif.name,)
 
     formats: Annotated[tuple[str, ...], Field(strict=False)] = Field(
-        default_factory=lambda: (*defaults(printed=True), Html.name, Gif.name)
+        default_factory=lambda: (*defaults(printed=True), Gif.name)
     )
     jobs: Annotated[int, Field(ge=0, le=256)] = 1
 

@@ -1,8 +1,7 @@
-"""The moving scene of a kit, and the text of its report."""
+"""The moving scene of a kit: meshes, pieces, and their placements pose by pose."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -10,15 +9,15 @@ import numpy as np
 
 from ddgfab.linkages import Pose
 from ddgfab.mesh import Floats
+from fabrication.formats.html.page import ContactNote
 from fabrication.linkage.kit import Kit
-from fabrication.linkage.page import ContactNote, Group, MovingPiece, MovingScene, Page
+from fabrication.linkage.moving import Group, MovingPiece, MovingScene
 from fabrication.motion.free_range import Contact
 from fabrication.parts.link import LINK
 from fabrication.solids import mesh_of
-from fabrication.specs import Family, Instance, Shape
-from fabrication.table import Table
+from fabrication.specs import Color, Family, Instance
 
-SEEN_CHORD_MM: Final = 0.2
+SEEN_CHORD_MM: Final = 0.05
 """Distance [mm] of meshes that are only looked at from the exact surfaces."""
 
 MOST_PLACEMENTS: Final = 30_000
@@ -27,7 +26,7 @@ MOST_PLACEMENTS: Final = 30_000
 FEWEST_POSES: Final = 13
 """Fewest poses in the report, however many placements they need."""
 
-LINK_COLORS: Final = (
+LINK_COLORS: Final[tuple[Color, ...]] = (
     (0.16, 0.42, 0.66),
     (0.72, 0.30, 0.28),
     (0.24, 0.56, 0.35),
@@ -56,12 +55,12 @@ def moving_scene(kit: Kit) -> MovingScene:
         if family.kind == LINK:
             color = LINK_COLORS[links.index(family.number) % len(LINK_COLORS)]
         own = [i.mark for i in family.instances if i.mark in motions]
-        groups.append(Group(f"{family.kind.title} {family.number} ({len(own)})", color))
+        groups.append(Group(family.number, color))
         for mark in own:
-            pieces.append(MovingPiece(body, body, f"{mark}, {family.number}", mark))
+            pieces.append(MovingPiece(body, body, mark))
             placed.append(still @ motions[mark])
     return MovingScene(
-        bodies=[mesh_of(shape, SEEN_CHORD_MM) for shape in seen_shapes(kit, families)],
+        bodies=[mesh_of(family.shape, SEEN_CHORD_MM) for family in families],
         groups=groups,
         pieces=pieces,
         motions=np.stack(placed, axis=1),
@@ -89,12 +88,6 @@ def shown_angles(kit: Kit) -> tuple[Floats, int]:
     at = int(np.abs(angles - kit.mechanism.design).argmin())
     angles[at] = kit.mechanism.design
     return angles, at
-
-
-def seen_shapes(kit: Kit, families: Sequence[Family]) -> list[Shape]:
-    """The shapes of part numbers without letters."""
-    plain = {link.mark: replace(link.shape, label=None) for link in kit.linkage.links}
-    return [plain.get(family.instances[0].mark, family.shape) for family in families]
 
 
 def standstill(kit: Kit, angles: Floats) -> Floats:
@@ -135,16 +128,4 @@ def lying_broad(kit: Kit) -> tuple[Family, ...]:
     return tuple(
         replace(f, instances=tuple(Instance(i.mark, turn @ i.placement) for i in f.instances))
         for f in kit.placed()
-    )
-
-
-def report_page(kit: Kit, tables: Mapping[str, Table], problems: Sequence[str]) -> Page:
-    """Title, facts and tables of report.html."""
-    return Page(
-        title=kit.name,
-        lead=kit.summary(),
-        facts=kit.motion_facts(),
-        notes=kit.notes,
-        problems=[f"FAILED {problem}" for problem in problems],
-        tables={table.legend.title or name: table for name, table in tables.items()},
     )

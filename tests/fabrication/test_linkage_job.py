@@ -71,7 +71,7 @@ import sys
 from fabrication import kit
 made = kit("bennett")
 made.schedules, made.motions([1.0]), made.plates, repr(made)
-loaded = [m for m in ("OCP", "build123d", "cadquery", "pyvista", "plotly") if m in sys.modules]
+loaded = [m for m in ("OCP", "build123d", "cadquery", "pyvista") if m in sys.modules]
 assert not loaded, loaded
 """
     subprocess.run([sys.executable, "-c", program], check=True, timeout=60)

@@ -168,8 +168,8 @@ def test_a_rejected_part_of_a_kit_is_on_no_plate(tri: Triangles, tmp_path: Path)
 def test_a_new_format_does_not_change_what_is_written_by_default(tri: Triangles) -> None:
     """It says itself for which products it is written where a project names no formats."""
     before = {
-        False: ("step", "stl", "glb", "csv", "xlsx"),
-        True: ("step", "stl", "3mf", "glb", "csv", "xlsx"),
+        False: ("step", "stl", "glb", "csv", "xlsx", "html"),
+        True: ("step", "stl", "3mf", "glb", "csv", "xlsx", "html"),
     }
     assert "tri" in registry.names()
     for printed, formats in before.items():
