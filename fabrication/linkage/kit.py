@@ -333,6 +333,9 @@ def detail_kit(project: KitProject, progress: Progress | None = None) -> Kit:
     begin = time.perf_counter()
     families = found.linkage.families
     meshes = {f.number: mesh_of(f.shape, PRINTED_CHORD_MM) for f in families}
-    printed, filled = laid_out(families, meshes, found.linkage.settings, project.printer.bed())
+    apart = frozenset(piece.mark for piece in found.linkage.loose)
+    printed, filled = laid_out(
+        families, meshes, found.linkage.settings, project.printer.bed(), apart
+    )
     lap("print plates", begin)
     return Kit(project, mechanism, found, printed, filled, seconds, digest)

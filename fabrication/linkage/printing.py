@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -49,8 +50,12 @@ def laid_out(
     meshes: Mapping[str, TriangleMesh],
     settings: LinkageSettings,
     bed: Bed,
+    apart: Collection[str] = (),
 ) -> tuple[list[Printed], tuple[Plate, ...]]:
     """What is printed, and on which plates; the links first.
+
+    apart : marks of pieces that are printed before the others, on plates of their own that come
+        last: the coupon, which tells the clearance that the printer needs, and its pin
 
     Raises
     ------
@@ -58,4 +63,11 @@ def laid_out(
         A part is larger than the bed; names it.
     """
     parts = printed_parts(families, meshes, settings)
-    return parts, plates(parts, bed)
+    piles = [
+        [
+            replace(part, marks=tuple(m for m in part.marks if (m in apart) == tried))
+            for part in parts
+        ]
+        for tried in (False, True)
+    ]
+    return parts, tuple(plate for pile in piles for plate in plates(pile, bed))

@@ -116,7 +116,7 @@ def test_a_linkage_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     code, said = run("linkage", "--dry-run", "--formats", "stl,3mf")
     assert code == 0, said
     assert "free range: " in said
-    assert "plates/: 1 file: plate_1.3mf" in said
+    assert "plates/: 2 files: plate_1.3mf, plate_2.3mf" in said
     assert list(tmp_path.iterdir()) == []
 
 

@@ -52,7 +52,11 @@ def test_the_default_cube_moves_through_more_than_120_degrees() -> None:
     assert np.degrees(cube.motion.range) > 120
     assert cube.motion.proven
     assert (cube.mechanism.n_bars, cube.mechanism.n_hinges, cube.mechanism.mobility) == (12, 8, 2)
-    assert len(cube.plates) == 1
+    linkage, coupon = cube.plates  # the coupon is printed first, on a plate of its own
+    loose = {piece.mark for piece in cube.linkage.loose}
+    assert not loose & {standing.mark for standing in linkage}
+    assert {standing.mark for standing in coupon} <= loose
+    assert coupon
 
 
 def test_asked_for_a_larger_range_other_levels_and_bars_are_tried() -> None:
@@ -95,7 +99,14 @@ def test_the_folder_holds_what_the_design_says(bennett: Kit, kit_job: JobResult)
     numbers = [family.number for family in bennett.families]
     expected = {f"parts/{kind}/{n}.{kind}" for kind in ("step", "stl", "3mf") for n in numbers}
     expected |= {f"schedules/{name}.csv" for name in ("bom", "links", "hinges", "assembly")}
-    expected |= {"assembly.step", "plates/plate_1.3mf", "report.html", "preview.png", "motion.gif"}
+    expected |= {
+        "assembly.step",
+        "plates/plate_1.3mf",
+        "plates/plate_2.3mf",
+        "report.html",
+        "preview.png",
+        "motion.gif",
+    }
     expected |= {"model.glb"}
     assert expected <= names
     assert {
@@ -174,10 +185,14 @@ def test_the_same_kit_gives_the_same_files(
 
 @pytest.mark.slow
 def test_plates_hold_every_printed_piece(bennett: Kit, kit_job: JobResult) -> None:
-    content = read_threemf(kit_job.folder / "plates" / "plate_1.3mf")
-    printed = {part.number: len(part.marks) for part in bennett.printed}
-    assert dict(zip((b.name for b in content.bodies), content.placed, strict=True)) == printed
-    assert not any(number.startswith("HP") for number in printed)  # rods are bought
+    plates = [read_threemf(path) for path in sorted((kit_job.folder / "plates").iterdir())]
+    standing = [
+        (body.name, count)
+        for content in plates
+        for body, count in zip(content.bodies, content.placed, strict=True)
+    ]
+    assert sorted(standing) == sorted((part.number, len(part.marks)) for part in bennett.printed)
+    assert not any(number.startswith("HP") for number, _ in standing)  # rods are bought
 
 
 @pytest.mark.slow

@@ -159,7 +159,8 @@ def test_a_rejected_part_of_a_kit_is_on_no_plate(tri: Triangles, tmp_path: Path)
     made = kit("bennett", output={"formats": ["tri", "3mf"]})
     result = spoilt_job(made, tri, "LP-001", tmp_path / "kit")
     assert (result.folder / "rejected" / "3mf" / "LP-001.3mf").exists()
-    bodies = read_threemf(result.folder / "plates" / "plate_1.3mf").bodies
+    plates = sorted((result.folder / "plates").iterdir())
+    bodies = [body for plate in plates for body in read_threemf(plate).bodies]
     printed = {part.number for part in made.printed}
     assert "LP-001" in printed
     assert {body.name for body in bodies} == printed - {"LP-001"}

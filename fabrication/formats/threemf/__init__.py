@@ -8,6 +8,7 @@ from typing import Final
 
 from fabrication.formats.base import Contents, Format, Part, Provenance, Standing, Whole
 from fabrication.formats.solids import SolidsReport, mesh_report
+from fabrication.formats.threemf.bores import bore_walls
 from fabrication.formats.threemf.read import Content3MF, check_threemf, read_threemf
 from fabrication.formats.threemf.write import Body3MF, Item3MF, threemf_bytes, write_threemf
 from fabrication.specs import Check
@@ -60,14 +61,14 @@ class ThreeMF(Format):
         return [plate_file(place) for place in range(1, contents.plates + 1)]
 
     def write_whole(self, folder: Path, whole: Whole) -> list[str]:
-        """The print plates: an object a part number, an item a piece."""
+        """The print plates: an object a part number, an item a piece; no support in bores."""
         for path, used, plate in self._plates(folder, whole):
             if not plate:
                 path.unlink(missing_ok=True)
                 continue
             path.parent.mkdir(parents=True, exist_ok=True)
             parts = [whole.parts[number] for number in used]
-            bodies = [Body3MF(p.number, p.mesh, p.kind.color) for p in parts]
+            bodies = [_printed(part) for part in parts]
             items = [Item3MF(used.index(number), mark, at) for number, mark, at in plate]
             path.write_bytes(threemf_bytes(bodies, items, path.stem))
         return []
@@ -106,6 +107,13 @@ class ThreeMF(Format):
             for body, placed in zip(content.bodies, content.placed, strict=True)
         ]
         return mesh_report(path, "3MF", content.unit, found, content.items)
+
+
+def _printed(part: Part) -> Body3MF:
+    """A part for a print plate, the walls of its bores marked."""
+    boundary = part.boundary
+    walls = None if boundary is None else bore_walls(boundary, part.mesh)
+    return Body3MF(part.number, part.mesh, part.kind.color, walls)
 
 
 FORMAT: Final = ThreeMF()

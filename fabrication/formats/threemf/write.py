@@ -1,6 +1,7 @@
 """3MF straight from arrays: named, colored objects in millimeters, placed.
 
-Core specification 1.3: a zip with one model; `<object>` is a mesh, `<item>` places one.
+Core specification 1.3: a zip with one model; `<object>` is a mesh, `<item>` places one. Triangles
+that no support may touch carry the mark by which PrusaSlicer paints them; other readers skip it.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import Final
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ddgfab.io.atomic import atomic_write
 from fabrication.specs import Color, Placement, TriangleMesh
@@ -25,6 +27,12 @@ ROTATION_DECIMALS: Final = 12
 """Decimals of the rotations of placed objects."""
 
 NAMESPACE: Final = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+
+PAINT_NAMESPACE: Final = "http://schemas.slic3r.org/3mf/2017/06"
+"""Of what PrusaSlicer adds to 3MF."""
+
+BLOCKED: Final = ' slic3rpe:custom_supports="8"'
+"""A triangle from which no support grows (PrusaSlicer: a painted support blocker)."""
 
 _MODEL: Final = "3D/3dmodel.model"
 _DATE: Final = (1980, 1, 1, 0, 0, 0)  # the earliest of a zip: the same model, the same bytes
@@ -46,11 +54,15 @@ _RELATIONS: Final = (
 
 @dataclass(frozen=True, eq=False)
 class Body3MF:
-    """An object of a 3MF: its name, mesh [mm] and color (sRGB, 0 to 1)."""
+    """An object of a 3MF: its name, mesh [mm] and color (sRGB, 0 to 1).
+
+    unsupported : (m,) whether slicers are told to put no support on a triangle; None for nowhere
+    """
 
     name: str
     mesh: TriangleMesh
     color: Color = (0.75, 0.75, 0.75)
+    unsupported: NDArray[np.bool_] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +85,11 @@ def threemf_bytes(
     """
     if items is None:
         items = [Item3MF(i, body.name, np.eye(4)) for i, body in enumerate(bodies)]
+    painted = any(body.unsupported is not None for body in bodies)
+    paint = f' xmlns:slic3rpe="{PAINT_NAMESPACE}"' if painted else ""
     colors = list(dict.fromkeys(_hex(body.color) for body in bodies))
     parts = [
-        f'{_PROLOGUE}<model unit="millimeter" xml:lang="en-US" xmlns="{NAMESPACE}">\n'
+        f'{_PROLOGUE}<model unit="millimeter" xml:lang="en-US" xmlns="{NAMESPACE}"{paint}>\n'
         f'<metadata name="Title">{_text(title)}</metadata>\n'
         '<metadata name="Application">ddgfab</metadata>\n<resources>\n<basematerials id="1">'
     ]
@@ -84,7 +98,7 @@ def threemf_bytes(
     for key, body in enumerate(bodies, 2):
         parts.append(
             f'<object id="{key}" type="model" name={quoteattr(body.name)} '
-            f'pid="1" pindex="{colors.index(_hex(body.color))}">\n{_mesh_xml(body.mesh)}'
+            f'pid="1" pindex="{colors.index(_hex(body.color))}">\n{_mesh_xml(body)}'
             "</object>\n"
         )
     parts.append("</resources>\n<build>\n")
@@ -122,15 +136,21 @@ def write_threemf(
         file.write(threemf_bytes(bodies, items, path.stem))
 
 
-def _mesh_xml(mesh: TriangleMesh) -> str:
+def _mesh_xml(body: Body3MF) -> str:
     """A `<mesh>`; one format for all vertices is several times faster than one each."""
+    mesh = body.mesh
     point = " ".join(f'{axis}="%.{DECIMALS}f"' for axis in "xyz")
     # Rounded first and with 0 added, so that no coordinate is "-0.000000".
     points = (np.round(mesh.vertices, DECIMALS) + 0.0).ravel().tolist()
     corners = mesh.triangles.ravel().tolist()
     vertices = f"<vertex {point}/>\n" * len(mesh.vertices) % tuple(points)
-    triangle = '<triangle v1="%d" v2="%d" v3="%d"/>\n'
-    triangles = triangle * len(mesh.triangles) % tuple(corners)
+    triangle = '<triangle v1="%d" v2="%d" v3="%d"{}/>\n'
+    kinds = triangle.format(""), triangle.format(BLOCKED)
+    if body.unsupported is None:
+        rows = kinds[0] * len(mesh.triangles)
+    else:
+        rows = "".join(kinds[blocked] for blocked in body.unsupported.tolist())
+    triangles = rows % tuple(corners)
     points_xml = f"<vertices>\n{vertices}</vertices>\n"
     return f"<mesh>\n{points_xml}<triangles>\n{triangles}</triangles>\n</mesh>\n"
 
