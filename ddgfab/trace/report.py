@@ -16,6 +16,7 @@ from ddgfab.trace.certainty import UNCERTAIN_DEG, turn_by_error
 from ddgfab.trace.field import PrincipalField, sines
 from ddgfab.trace.mesh import TracedMesh
 from ddgfab.trace.placing import Network
+from ddgfab.trace.twist import TOLD_DEG, edge_twist, line_twist
 
 _DOUBTFUL: Final = 2.0
 """Umbilics nearer to the rim than this [spacings] may be there by noise only."""
@@ -35,6 +36,9 @@ class TraceQuality:
     uncertain_percent : part of the surface where an error of 1/1000 of the spacing turns lines by
         22.5 deg or more; 0 for conjugate families
     turn_deg : median and 95th percentile of that turn, none for conjugate families
+    twist_deg : angle by which the normals of the surface turn about an edge inside, median and
+        greatest, and the greatest along a whole line: by as much the axes of beams without torsion
+        lean from the normals. None for principal lines, which have none
     least_angle_deg : at which the families meet
     umbilics : place, index, and whether it is doubtful (near the rim)
     spirals : lines that were given up for their length
@@ -48,6 +52,7 @@ class TraceQuality:
     face_sizes: tuple[dict[int, int], dict[int, int]]
     uncertain_percent: float
     turn_deg: tuple[float, float] | None
+    twist_deg: tuple[float, float, float] | None
     least_angle_deg: float
     umbilics: tuple[tuple[tuple[float, float, float], float, bool], ...]
     spirals: int
@@ -74,6 +79,11 @@ class TraceQuality:
                 f"certainty     where the surface is out by 1/1000 of the spacing, lines turn by "
                 f"{self.turn_deg[0]:.1f} deg (median), 95 % below {self.turn_deg[1]:.1f} deg"
             )
+        if self.twist_deg is not None:
+            rows.append(
+                "twist         normals turn about an edge by {:.2g} deg (median), {:.2g} at most; "
+                "along a line by {:.2g} at most".format(*self.twist_deg)
+            )
         rows += [f"note          {remark}" for remark in self.remarks()]
         return "\n".join(rows)
 
@@ -91,6 +101,12 @@ class TraceQuality:
                 f"umbilic at ({x:.6g}, {y:.6g}, {z:.6g}), index {index:+g}: a cell of "
                 f"{4 * (1 - index):g} corners{note}"
             )
+        if self.twist_deg is not None and self.twist_deg[0] > TOLD_DEG:
+            rows.append(
+                f"lines are not principal: node axes without torsion lean by about "
+                f"{self.twist_deg[0]:.2g} deg an edge, more along lines; ddgfab dilemma on this "
+                "net says how far the surface would have to move for principal ones"
+            )
         if self.spirals:
             rows.append(f"{self.spirals} spirals were cut at 3 diameters")
         return tuple(rows)
@@ -107,6 +123,7 @@ class TraceQuality:
             "rim_face_sizes": {str(k): v for k, v in self.face_sizes[1].items()},
             "uncertain_percent": self.uncertain_percent,
             "turn_deg": None if self.turn_deg is None else list(self.turn_deg),
+            "twist_deg": None if self.twist_deg is None else list(self.twist_deg),
             "least_angle_deg": self.least_angle_deg,
             "umbilics": [
                 {"place": list(place), "index": index, "doubtful": doubtful}
@@ -141,6 +158,7 @@ def quality(network: Network, traced: TracedMesh) -> TraceQuality:
         face_sizes=(_sizes(mesh.face_sizes[inner]), _sizes(mesh.face_sizes[outer])),
         uncertain_percent=100 * float((turn > UNCERTAIN_DEG).mean()) if principal else 0.0,
         turn_deg=(median, most) if principal else None,
+        twist_deg=None if principal else _twist(network, traced),
         least_angle_deg=float(np.degrees(np.arcsin(np.clip(sine.min(), 0, 1)))),
         umbilics=tuple(
             (umbilic.x, umbilic.index, bool(distance < _DOUBTFUL * given))
@@ -148,6 +166,19 @@ def quality(network: Network, traced: TracedMesh) -> TraceQuality:
         ),
         spirals=network.spirals,
     )
+
+
+def _twist(network: Network, traced: TracedMesh) -> tuple[float, float, float]:
+    inside = traced.mesh.edges[~traced.mesh.boundary_edge]
+    edges = np.degrees(np.abs(edge_twist(network.field.surface, traced.uv, inside)))
+    whole = [
+        np.degrees(np.ptp(line_twist(network.field, family, line)))
+        for family, lines in enumerate(network.lines)
+        for line in lines
+    ]
+    if not len(edges):
+        return 0.0, 0.0, float(max(whole))
+    return float(np.median(edges)), float(edges.max()), float(max(whole))
 
 
 def _ratios(network: Network, traced: TracedMesh) -> Floats:

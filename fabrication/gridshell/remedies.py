@@ -11,7 +11,7 @@ import numpy as np
 from ddgfab.io.pairs import paired_in_order
 from fabrication.gridshell.design import Design
 from fabrication.gridshell.foresight import diagonals_are_better
-from fabrication.gridshell.net_settings import MESH, OPTIMIZE_OPTIONS
+from fabrication.gridshell.net_settings import MESH, OPTIMIZE_OPTIONS, SURFACE
 from fabrication.gridshell.pieces import Panel
 from fabrication.gridshell.room import settings_with_room
 from fabrication.job.problems import FailedCheck
@@ -20,7 +20,7 @@ from fabrication.solids.polygon import least_rectangle
 LARGEST_PANE_MM: Final = 50_000.0
 """A pane longer than this means that the mesh is in another unit."""
 
-_QUAD: Final = 4
+_TRIANGLE, _QUAD = 3, 4
 
 
 def remedies(design: Design, problems: Sequence[FailedCheck]) -> list[tuple[str, str, Any]]:
@@ -29,9 +29,9 @@ def remedies(design: Design, problems: Sequence[FailedCheck]) -> list[tuple[str,
     A net that is not planar, or whose node axes lean, is optimized: torsion-free where the axes are
     at fault, as no change of the faces alone rights them. Where that was done already, or is not
     possible, and for all other limits, the limit that the net keeps is named. Quads whose panes are
-    too large are divided, once. Triangles that are quads cut in two become quads again: axes of
-    triangle meshes twist. Where normals twist and the faces are planar, what is named leaves the
-    pieces clear of each other (`settings_with_room`).
+    too large are divided, once; nets on surfaces are traced more closely. Triangles that are quads
+    cut in two become quads again: axes of triangle meshes twist. Where normals twist and the faces
+    are planar, what is named leaves the pieces clear of each other (`settings_with_room`).
     """
     worst = {problem.check: problem.parts[0][1] for problem in problems}
     goal = design.project.optimize.goal
@@ -44,7 +44,8 @@ def remedies(design: Design, problems: Sequence[FailedCheck]) -> list[tuple[str,
     quads = bool((design.mesh.face_sizes == _QUAD).all())
     straight = design.support.kind != "normals"  # those of asymptotic nets twist by their nature
     axes = bool({"lean_deg", "torsion_deg"} & worst.keys()) and straight
-    if axes and quads and goal != "torsion-free":
+    cut = bool((design.mesh.face_sizes > _TRIANGLE).any())
+    if axes and cut and goal != "torsion-free":
         found.append(("optimize", "goal", "torsion-free"))
     elif "planarity_percent" in worst and not axes and goal == "none":
         found.append(("optimize", "goal", "planar"))
@@ -57,7 +58,9 @@ def remedies(design: Design, problems: Sequence[FailedCheck]) -> list[tuple[str,
         found += _limits(worst)
     if "least_angle_deg" in worst:
         found.append(("checks", "min_angle_deg", _number(worst["least_angle_deg"], math.floor)))
-    if panes and quads and straight and _divides(design, found):
+    if panes and design.project.net.kind == SURFACE:
+        found += _closer(design, panes)
+    elif panes and quads and straight and _divides(design, found):
         if goal == "none" and not any(key == "goal" for _, key, _ in found):
             found.append(("optimize", "goal", "planar"))
         found.append(("optimize", "max_pane_mm", sorted(design.project.panel.max_size_mm)))
@@ -65,6 +68,19 @@ def remedies(design: Design, problems: Sequence[FailedCheck]) -> list[tuple[str,
         wide, long = (math.ceil(max(sides) / 10.0) * 10 for sides in zip(*panes, strict=True))
         found.append(("panel", "max_size_mm", [wide, long]))
     return found
+
+
+def _closer(design: Design, panes: Sequence[tuple[float, float]]) -> list[tuple[str, str, Any]]:
+    """Spacings [mm] at which panes fit; a little less than in proportion, as lines fall anew."""
+    narrow, wide = sorted(design.project.panel.max_size_mm)
+    over = max(max(small / narrow, long / wide) for small, long in panes)
+    net = design.project.net
+    given = {"spacing_mm": net.spacing_mm, "spacing_across_mm": net.spacing_across_mm}
+    return [
+        ("net", key, math.floor(0.95 * old / over / 10.0) * 10.0)
+        for key, old in given.items()
+        if old is not None
+    ]
 
 
 def _divides(design: Design, found: Sequence[tuple[str, str, Any]]) -> bool:

@@ -17,6 +17,8 @@ from roofs import barrel
 from ddgfab.errors import InputError
 from ddgfab.io import write_mesh
 from ddgfab.mesh import Mesh
+from ddgfab.surfaces.analytic import named_surface
+from ddgfab.trace import trace
 from fabrication.gridshell.design import Design, design
 from fabrication.job.limits import LimitError, check_limits
 from fabrication.job.run import make
@@ -99,6 +101,26 @@ def test_panes_that_cannot_be_divided_name_the_limit_they_keep() -> None:
     wide, long = value
     for less in ([wide - 10.0, float(long)], [float(wide), long - 10.0]):
         stopped(design(barrel(), panel={"max_size_mm": less}))  # no smaller one would do
+
+
+def test_nets_on_surfaces_are_traced_more_closely() -> None:
+    net = {"kind": "surface", "surface": "torus-piece", "spacing_mm": 2500.0}
+    limit = {"max_size_mm": [2400.0, 2400.0]}
+    found = design(None, net={**net, "spacing_across_mm": 2400.0}, panel=limit)
+    helps = stopped(found).settings
+    assert [key for _, key, _ in helps] == ["spacing_mm", "spacing_across_mm"]
+    closer = {key: value for _, key, value in helps}
+    check_limits(design(None, net={**net, **closer}, panel=limit).product())
+
+
+def test_axes_of_polygons_are_made_upright() -> None:
+    """Cells at the rim of a traced net have three to six corners."""
+    wide = named_surface("dome", {"radius_x_mm": 16e3, "radius_y_mm": 12e3})
+    panel = {"max_size_mm": [9e3, 9e3]}
+    found = design(trace(wide, 3000.0).mesh, panel=panel, optimize={"goal": "planar"})
+    assert len(set(found.mesh.face_sizes.tolist())) > 1
+    helps = stopped(with_checks(found, lean_deg=(42.34, 30.0))).settings
+    assert helps == (("optimize", "goal", "torsion-free"),)
 
 
 def test_a_mesh_in_another_unit_is_told_by_its_panes() -> None:
