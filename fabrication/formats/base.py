@@ -202,6 +202,7 @@ class Whole:
     parts : by part number
     families : part numbers with the pieces that are put together, placed
     shown : the same as models and pictures show them
+    colors : by part number, where pages and pictures show another one than that of the kind
     failed : marks of pieces that failed a check or a limit
     tables : schedules by name, as rows
     legends : what they and their columns mean, by name
@@ -222,6 +223,7 @@ class Whole:
     problems: tuple[str, ...] = ()
     checks: Mapping[str, Sequence[Check]] = field(default_factory=dict)
     mates: Sequence[Mate] = ()
+    colors: Mapping[str, Color] = field(default_factory=dict)
 
     def standing(self) -> Iterator[Standing]:
         """All pieces that are put together."""

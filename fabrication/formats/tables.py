@@ -159,17 +159,21 @@ def plain(value: Any, places: int) -> str | int | float | bool | None:
 FORMULAS: Final = ("=", "+", "-", "@", "\t", "\r")
 """Beginnings of texts that spreadsheets take for formulas."""
 
+WRITTEN: Final = re.compile(r"[+-]?[0-9]+(\.[0-9]+)?(e[+-]?[0-9]+)?")
+"""A number that is written as a text, with all its digits."""
+
 
 def text_of(value: Any, places: int) -> str:
     """A cell of the CSV; never in exponent form, never a negative zero.
 
-    A text that a spreadsheet would run as a formula has an apostrophe before it.
+    A text that a spreadsheet would run as a formula has an apostrophe before it; numbers that are
+    written as texts, such as -47.5, are no formulas.
     """
     cell = plain(value, places)
     if cell is None:
         return ""
     if isinstance(cell, bool):
         return "true" if cell else "false"
-    if isinstance(cell, str) and cell.startswith(FORMULAS):
+    if isinstance(cell, str) and cell.startswith(FORMULAS) and not WRITTEN.fullmatch(cell):
         return f"'{cell}"
     return f"{cell:.{places}f}" if isinstance(cell, float) else str(cell)

@@ -12,7 +12,7 @@ from fabrication.formats.registry import find
 from fabrication.job.problems import FailedCheck
 from fabrication.job.sources import Sources
 from fabrication.project.sections import OutputSettings, Verify
-from fabrication.specs import Check, Family, Mate, Piece, TriangleMesh
+from fabrication.specs import Check, Color, Family, Mate, Piece, TriangleMesh
 from fabrication.table import Table
 
 
@@ -85,6 +85,11 @@ class Product(ABC):
     def shown(self) -> Sequence[Family]:
         """The same where models and pictures have them."""
         return self.placed
+
+    @property
+    def colors(self) -> Mapping[str, Color]:
+        """By part number, where pages and pictures show another one than that of the kind."""
+        return {}
 
     @property
     def plates(self) -> Sequence[Sequence[Standing]]:

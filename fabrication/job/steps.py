@@ -216,6 +216,7 @@ class Steps:
             legends={name: table.legend for name, table in tables.items()},
             plates=product.plates,
             mates=product.mates,
+            colors=product.colors,
         )
 
     def _write(self, whole: Whole) -> dict[str, Future[Any]]:

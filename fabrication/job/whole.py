@@ -41,7 +41,7 @@ def draw(folder: Path, whole: Whole) -> tuple[list[str], list[Check], dict[str, 
     begin = time.perf_counter()
     meshes = {number: part.mesh for number, part in whole.parts.items()}
     try:
-        write_preview(folder / PREVIEW, whole.shown, meshes, whole.failed)
+        write_preview(folder / PREVIEW, whole.shown, meshes, whole.failed, whole.colors)
     except OutputError as error:
         return [f"no {PREVIEW}: {error}"], [], {}
     return [], [], {"preview": time.perf_counter() - begin}

@@ -248,9 +248,11 @@ class Kit:
         return to_cadquery(self.name, self.placed(angle))
 
     def _repr_png_(self) -> bytes:
+        from fabrication.linkage.scene import colors_of, lying_broad
         from fabrication.pictures.preview import preview_png
 
-        return preview_png(self.placed())
+        shown = lying_broad(self)
+        return preview_png(shown, colors_of(shown))
 
 
 def kit(

@@ -24,10 +24,10 @@ from fabrication.linkage.moving import MovingScene
 from fabrication.linkage.poses import check_poses
 from fabrication.linkage.printing import PRINTED_CHORD_MM
 from fabrication.linkage.report import subject_of
-from fabrication.linkage.scene import lying_broad, moving_scene
+from fabrication.linkage.scene import colors_of, lying_broad, moving_scene
 from fabrication.linkage.schedules import is_printed, marks_of, material
 from fabrication.motion.free_range import poses_to_confirm
-from fabrication.specs import Check, Family, TriangleMesh
+from fabrication.specs import Check, Color, Family, TriangleMesh
 from fabrication.standards.ordering import node_tolerances
 from fabrication.table import Table
 
@@ -76,6 +76,11 @@ class KitProduct(Product):
     def shown(self) -> tuple[Family, ...]:
         """The same, turned so that it lies broad."""
         return lying_broad(self.kit)
+
+    @property
+    def colors(self) -> dict[str, Color]:
+        """Those of the links, as on the page and in the animation."""
+        return colors_of(self.shown)
 
     @cached_property
     def plates(self) -> list[list[Standing]]:

@@ -32,7 +32,6 @@ def subject_of(kit: Kit, scene: MovingScene) -> Subject:
             scene.touches,
         ),
         meshes=dict(zip(numbers, scene.bodies, strict=True)),
-        colors={group.number: group.color for group in scene.groups},
         labelled=(LINK.role, PIN.role),
     )
 

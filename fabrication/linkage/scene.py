@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -48,12 +49,10 @@ def moving_scene(kit: Kit) -> MovingScene:
     motions = kit.motions(angles)
     still = standstill(kit, angles)
     families = [f for f in kit.families if any(i.mark in motions for i in f.instances)]
-    links = [f.number for f in families if f.kind == LINK]
+    colors = colors_of(families)
     groups, pieces, placed = [], [], []
     for body, family in enumerate(families):
-        color = family.kind.color
-        if family.kind == LINK:
-            color = LINK_COLORS[links.index(family.number) % len(LINK_COLORS)]
+        color = colors[family.number]
         own = [i.mark for i in family.instances if i.mark in motions]
         groups.append(Group(family.number, color))
         for mark in own:
@@ -69,6 +68,17 @@ def moving_scene(kit: Kit) -> MovingScene:
         design=design,
         touches=[_touch(contact, angles, still) for contact in kit.motion.contacts],
     )
+
+
+def colors_of(families: Sequence[Family]) -> dict[str, Color]:
+    """Colors by part number: links have those of `LINK_COLORS` in turn, others their kind's."""
+    links = [f.number for f in families if f.kind == LINK]
+    return {
+        f.number: LINK_COLORS[links.index(f.number) % len(LINK_COLORS)]
+        if f.kind == LINK
+        else f.kind.color
+        for f in families
+    }
 
 
 def _touch(contact: Contact, angles: Floats, still: Floats) -> ContactNote:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from ddgfab.mesh import Floats, Ints
-from fabrication.specs import Family, Form, Kind, Placement, TriangleMesh
+from fabrication.specs import Color, Family, Form, Kind, Placement, TriangleMesh
 
 RISE_DEG: Final = 35.0
 """Height of the eye above the plane normal to the node's axis [deg]."""
@@ -64,17 +65,25 @@ class Closeup:
 
 
 def placed(
-    families: Sequence[Family], meshes: Mapping[str, TriangleMesh], failed: frozenset[str]
+    families: Sequence[Family],
+    meshes: Mapping[str, TriangleMesh],
+    failed: frozenset[str],
+    colors: Mapping[str, Color] = MappingProxyType({}),
 ) -> list[PlacedMesh]:
-    """Every piece where it stands, in the order of the families."""
+    """Every piece where it stands, in the order of the families.
+
+    `colors` are those of part numbers that have another one than their kind.
+    """
     pieces: list[PlacedMesh] = []
     for family in families:
-        mesh = meshes[family.number]
+        mesh, kind = meshes[family.number], family.kind
+        if family.number in colors:
+            kind = replace(kind, shown=colors[family.number])
         for instance in family.instances:
             motion = instance.placement
             red = instance.mark in failed
             vertices = mesh.vertices @ motion[:3, :3].T + motion[:3, 3]
-            pieces.append(PlacedMesh(family.kind, red, motion, vertices, mesh.triangles))
+            pieces.append(PlacedMesh(kind, red, motion, vertices, mesh.triangles))
     return pieces
 
 

@@ -66,6 +66,7 @@ def write_preview(
     families: Sequence[Family],
     meshes: Mapping[str, TriangleMesh],
     failed: Collection[str] = (),
+    colors: Mapping[str, Color] | None = None,
     *,
     size: tuple[int, int] = SIZE,
 ) -> None:
@@ -76,6 +77,7 @@ def write_preview(
     families : part numbers with their instances
     meshes : by part number, the mesh in the part's frame [mm]
     failed : marks of pieces that are shown in red
+    colors : by part number, where its pieces have another color than their kind (sRGB, 0 to 1)
     size : pixels across and down
 
     Raises
@@ -83,7 +85,7 @@ def write_preview(
     OutputError
         The file cannot be written, or this machine cannot render; names the packages to install.
     """
-    picture = render(families, meshes, failed, size=size)
+    picture = render(families, meshes, failed, colors, size=size)
     with atomic_path(path) as temporary:
         temporary.write_bytes(picture)
 
@@ -92,6 +94,7 @@ def render(
     families: Sequence[Family],
     meshes: Mapping[str, TriangleMesh],
     failed: Collection[str] = (),
+    colors: Mapping[str, Color] | None = None,
     *,
     size: tuple[int, int] = SIZE,
 ) -> bytes:
@@ -102,13 +105,18 @@ def render(
     OutputError
         There is nothing to show, or this machine cannot render.
     """
-    pieces = placed(families, meshes, frozenset(failed))
+    pieces = placed(families, meshes, frozenset(failed), colors or {})
     if not pieces:
         raise OutputError("no parts to render")
     return drawn(_rendered, pieces, size)
 
 
-def preview_png(families: Sequence[Family], *, size: tuple[int, int] = SIZE) -> bytes:
+def preview_png(
+    families: Sequence[Family],
+    colors: Mapping[str, Color] | None = None,
+    *,
+    size: tuple[int, int] = SIZE,
+) -> bytes:
     """A PNG of parts that are only specs yet, for notebooks; loads no CAD kernel.
 
     Raises
@@ -119,7 +127,7 @@ def preview_png(families: Sequence[Family], *, size: tuple[int, int] = SIZE) -> 
     from fabrication.solids import mesh_of
 
     meshes = {f.number: mesh_of(f.shape, NOTEBOOK_CHORD) for f in families}
-    return render(families, meshes, size=size)
+    return render(families, meshes, colors=colors, size=size)
 
 
 def camera(points: Floats, size: tuple[int, int] = SIZE) -> View:

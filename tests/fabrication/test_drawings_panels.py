@@ -86,7 +86,7 @@ def test_the_same_structure_gives_the_same_bytes(
         (tmp_path / name).mkdir()
         assert FORMAT.write_whole(tmp_path / name, whole) == []
     files = sorted(path.name for path in (tmp_path / "one" / "sheets").iterdir())
-    groups = ["all", "beams", "erection", "nodes", "overview", "panels"]
+    groups = ["all", "beams", "erection", "nesting", "nodes", "overview", "panels"]
     assert files == [f"{name}.pdf" for name in groups]
     for name in files:
         one, two = ((tmp_path / n / "sheets" / name).read_bytes() for n in ("one", "two"))

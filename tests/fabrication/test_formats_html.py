@@ -216,3 +216,14 @@ def test_a_page_on_which_something_is_missing_fails(
     }[lost]
     (tmp_path / REPORT).write_text(page_html(fewer, Subject(), tmp_path), "utf-8")
     assert [check.passed for check in Html().check_whole(tmp_path, whole)].count(False) == 1
+
+
+def test_the_preview_of_a_kit_has_the_colors_of_its_page(bennett: Kit) -> None:
+    from fabrication.pictures.closeup import placed
+    from fabrication.solids import mesh_of
+
+    product = bennett.product()
+    meshes = {f.number: mesh_of(f.shape, 0.5) for f in product.shown}
+    pieces = placed(product.shown, meshes, frozenset(), product.colors)
+    links = [piece.kind.shown for piece in pieces if piece.kind.role == "link"]
+    assert links == [LINK_COLORS[0], LINK_COLORS[0], LINK_COLORS[1], LINK_COLORS[1]]

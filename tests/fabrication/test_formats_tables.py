@@ -93,10 +93,16 @@ def test_no_text_becomes_a_formula_a_link_or_a_number(tmp_path: Path, text: str)
         assert b"<f>" not in archive.read("xl/worksheets/sheet1.xml")
 
 
-@pytest.mark.parametrize("text", ["=1+1", "+cmd|' /C calc'!A0", "-5", "@SUM(A1)", "\t=1"])
+@pytest.mark.parametrize("text", ["=1+1", "+cmd|' /C calc'!A0", "-5+A1", "-", "@SUM(A1)", "\t=1"])
 def test_spreadsheets_take_no_text_of_a_csv_for_a_formula(text: str) -> None:
     (row,) = csv.DictReader(io.StringIO(csv_text([{"grade": text, "angle_deg": -5.0}])))
     assert row == {"grade": f"'{text}", "angle_deg": "-5.0000"}
+
+
+@pytest.mark.parametrize("text", ["-5", "-47.000000000001", "+1.5e-7"])
+def test_numbers_with_all_their_digits_stay_numbers(text: str) -> None:
+    (row,) = csv.DictReader(io.StringIO(csv_text([{"twist_exact_deg": text}])))
+    assert float(row["twist_exact_deg"]) == float(text)
 
 
 def test_same_rows_same_bytes(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from ddgfab.io.atomic import atomic_path
 from fabrication.formats.base import Contents, Format, Whole
-from fabrication.formats.html.model import model, packed, pieces_of
+from fabrication.formats.html.model import model_of, packed, pieces_of
 from fabrication.formats.html.page import Subject
 from fabrication.formats.html.tables import tables_of
 from fabrication.specs import Check
@@ -79,7 +79,7 @@ def page_html(whole: Whole, subject: Subject, folder: Path) -> str:
     whole : with its problems and checks
     folder : whose part files the page links to
     """
-    data, numbers = model(whole, subject, folder)
+    data, numbers = model_of(whole, subject, folder)
     places = pieces_of(whole.shown)
     data["tables"] = tables_of(whole, subject, places)
     data["steps"] = [

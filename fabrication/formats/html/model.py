@@ -27,7 +27,7 @@ def packed(data: bytes) -> str:
     return base64.b64encode(zlib.compress(data, 9)).decode("ascii")
 
 
-def model(whole: Whole, subject: Subject, folder: Path) -> tuple[dict[str, Any], bytes]:
+def model_of(whole: Whole, subject: Subject, folder: Path) -> tuple[dict[str, Any], bytes]:
     """What the page shows: plain data, and the numbers of meshes and placements as bytes.
 
     The bytes are, each padded to four: coordinates (uint16), corners (uint16 or uint32) of the
@@ -46,7 +46,7 @@ def model(whole: Whole, subject: Subject, folder: Path) -> tuple[dict[str, Any],
                 "kind": kinds.index(family.kind),
                 "mass_kg": round(part.mass, 4),
                 "material": part.material.name,
-                "color": css(subject.colors.get(family.number, family.kind.color)),
+                "color": css(whole.colors.get(family.number, family.kind.color)),
                 "count": len(family.instances),
                 "files": files.get(family.number, []),
                 **body,

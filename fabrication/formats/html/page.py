@@ -9,7 +9,7 @@ from typing import Any
 from ddgfab.mesh import Floats
 from fabrication.formats.base import Whole
 from fabrication.formats.tables import Row
-from fabrication.specs import Color, TriangleMesh
+from fabrication.specs import TriangleMesh
 
 
 def _of_mark(row: Mapping[str, Any]) -> Sequence[str]:
@@ -79,7 +79,6 @@ class Subject:
     steps : in which order the pieces go together
     motion : of what moves
     meshes : by part number, meshes that are shown instead of those of the parts [mm]
-    colors : by part number, where its pieces have another color than their kind
     labelled : roles whose marks stand in the model from the start
     """
 
@@ -91,5 +90,4 @@ class Subject:
     steps: Callable[[Whole], Sequence[Step]] = _no_steps
     motion: Motion | None = None
     meshes: Mapping[str, TriangleMesh] = field(default_factory=dict)
-    colors: Mapping[str, Color] = field(default_factory=dict)
     labelled: Sequence[str] = ()
